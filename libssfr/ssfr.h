@@ -1,0 +1,338 @@
+/* SPDX-License-Identifier: MIT */
+/* ssfr.h: screen-space fluid rendering, and what each of its approximations costs. The one header a user needs.
+ *
+ * Said once, for everything below:
+ *  - SI units, unless a name carries its unit (_px, _ms, _deg). Angles are radians.
+ *  - Eye space looks down -z: a visible point has z < 0. Depth images hold that z in metres. A pixel is a surface
+ *    where fabs(z) < SSFR_SURFACE; empty pixels of a map of the nearest hold -SSFR_EMPTY, of the farthest +SSFR_EMPTY.
+ *  - Row 0 of every image is its top row, on the CPU, on the GPU and in files. Colours are linear.
+ *  - A function that can fail returns ssfr_result; a result by out pointer is NULL unless SSFR_OK is returned.
+ *  - `params` and strings need only live for the call. Every _destroy takes the handle's address, accepts NULL
+ *    inside it, and nulls it. */
+#ifndef SSFR_H
+#define SSFR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SSFR_VERSION "0.1.0"
+#define SSFR_API __attribute__((visibility("default")))
+#define SSFR_MUST __attribute__((warn_unused_result))
+#define SSFR_EMPTY 1e30   /* m, magnitude of an empty depth */
+#define SSFR_SURFACE 1e29 /* m, a depth below this magnitude is a surface */
+#define SSFR_MAX_SIZE 16384 /* px, the widest and highest image */
+
+/* ---- results and the log --------------------------------------------------------------------------------- */
+
+#define SSFR_RESULTS(X)                                          \
+    X(SSFR_OK, "no error")                                       \
+    X(SSFR_ERR_VALUE, "a value is malformed or out of range")    \
+    X(SSFR_ERR_UNKNOWN, "no such pass, parameter, slot or name") \
+    X(SSFR_ERR_IO, "a file cannot be read or written")           \
+    X(SSFR_ERR_FORMAT, "a file is malformed")                    \
+    X(SSFR_ERR_UNSUPPORTED, "a format or feature is not supported") \
+    X(SSFR_ERR_MEMORY, "out of memory")                          \
+    X(SSFR_ERR_GL, "OpenGL is missing or reported an error")
+
+typedef enum ssfr_result {
+#define X(code, text) code,
+    SSFR_RESULTS(X)
+#undef X
+} ssfr_result;
+
+SSFR_API const char *ssfr_result_text(ssfr_result code);
+SSFR_API const char *ssfr_version(void);
+
+typedef enum ssfr_level { SSFR_ERROR, SSFR_WARNING, SSFR_INFO, SSFR_DEBUG } ssfr_level;
+
+/* `where` is the source file and line. An error is logged once, where it is first known. */
+typedef void ssfr_log_fn(void *user, ssfr_level level, const char *where, const char *text);
+
+/* Sends the log to fn; NULL restores the default, which prints errors and warnings to stderr. */
+SSFR_API void ssfr_log_to(ssfr_log_fn *fn, void *user);
+
+/* ---- fields: images in double ------------------------------------------------------------------------------ */
+
+typedef struct ssfr_field {
+    int w, h, c;  /* px, px, channels */
+    double *data; /* w h c values, rows from the top, channels interleaved */
+} ssfr_field;
+
+SSFR_API SSFR_MUST ssfr_result ssfr_field_create(ssfr_field **out, int w, int h, int c); /* zeroed */
+SSFR_API void ssfr_field_destroy(ssfr_field **field);
+SSFR_API void ssfr_field_fill(ssfr_field *field, double value);
+
+static inline double *ssfr_field_at(const ssfr_field *f, int x, int y)
+{
+    return f->data + ((size_t)y * (size_t)f->w + (size_t)x) * (size_t)f->c;
+}
+
+/* ---- parameters ------------------------------------------------------------------------------------------------ */
+
+typedef enum ssfr_param_type {
+    SSFR_REAL,   /* double */
+    SSFR_INT,    /* int */
+    SSFR_FLAG,   /* int, 0 or 1 */
+    SSFR_CHOICE, /* int, index into words */
+    SSFR_SET,    /* unsigned, bit i is words[i]; written as a comma-separated list, "none" when empty */
+} ssfr_param_type;
+
+/* One row serves parsing, range checks, help, sweep axes and CSV columns. A list ends with a NULL name. */
+typedef struct ssfr_param {
+    const char *name;
+    ssfr_param_type type;
+    const char *unit; /* "1" for none */
+    const char *help;
+    size_t offset; /* into the params struct */
+    double def, min, max; /* max is unused for words */
+    const char *const *words; /* CHOICE and SET, NULL-terminated */
+} ssfr_param;
+
+/* ---- camera ---------------------------------------------------------------------------------------------------- */
+
+typedef struct ssfr_camera {
+    double eye[3];         /* m, world */
+    double right[3], up[3], back[3]; /* orthonormal, world; the camera looks along -back */
+    double tan_x, tan_y;   /* half the image's width and height at unit distance, (0, inf) */
+    double near, far;      /* m, for methods that need window depth, 0 < near < far */
+    int w, h;              /* px */
+} ssfr_camera;
+
+/* A camera at eye that looks at target. fov_y is the full vertical angle, (0, pi); pixels are square. */
+SSFR_API SSFR_MUST ssfr_result ssfr_camera_look(ssfr_camera *out, const double eye[3], const double target[3],
+                                                const double up[3], double fov_y, int w, int h);
+
+/* ---- particles ------------------------------------------------------------------------------------------------- */
+
+/* Particles are sorted along a space-filling curve and cut into packets of SSFR_PACKET; the last may be shorter.
+ * Positions are floats relative to their packet's centre, which is a double: a scene a thousand kilometres from
+ * the origin is as exact as one at the origin. Arrays that a file lacks are NULL. */
+enum { SSFR_PACKET = 256 };
+
+typedef struct ssfr_packet {
+    double centre[3]; /* m, world: the middle of the box */
+    float half[3];    /* m, half extents of the box around the particle centres */
+} ssfr_packet;
+
+/* Per-particle arrays beside position: name, C type, values a particle, unit. One line is one array everywhere. */
+#define SSFR_ATTRIBUTES(X)        \
+    X(velocity, float, 3, "m/s")  \
+    X(density, float, 1, "kg/m^3") \
+    X(lifetime, float, 1, "s")    \
+    X(neighbours, uint32_t, 1, "1") \
+    X(id, uint32_t, 1, "1")       \
+    X(kind, uint32_t, 1, "1")
+
+typedef struct ssfr_particles {
+    size_t n;
+    size_t n_packets;
+    ssfr_packet *packets;
+    float *position; /* m, 3 n, relative to packets[i / SSFR_PACKET].centre */
+#define X(name, type, count, unit) type *name;
+    SSFR_ATTRIBUTES(X)
+#undef X
+    double radius;    /* m; 0 when neither the file nor the caller said */
+    uint64_t serial;  /* differs between any two packed sets of a process: a key for caches */
+} ssfr_particles;
+
+/* Packs n particles at positions[3 n] (m, world). The arrays of `given` that are not NULL are copied (n, radius too; its
+ * packets and position are ignored). Fails with SSFR_ERR_VALUE when a position is not finite. */
+SSFR_API SSFR_MUST ssfr_result ssfr_particles_create(ssfr_particles **out, size_t n, const double *positions,
+                                                     const ssfr_particles *given);
+SSFR_API void ssfr_particles_destroy(ssfr_particles **particles);
+
+/* World position of particle i, m. */
+static inline void ssfr_particles_position(const ssfr_particles *p, size_t i, double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = p->packets[i / SSFR_PACKET].centre[k] + (double)p->position[3 * i + (size_t)k];
+}
+
+typedef struct ssfr_load_options {
+    double radius;       /* m; 0: from the file, else estimated from the spacing (logged) */
+    bool drop_nonfinite; /* drop particles with a NaN or infinite value instead of refusing the file */
+    size_t n_dropped;    /* out */
+} ssfr_load_options;
+
+/* Reads a particle file; the format is told by the name's ending (see ssfr_particle_formats). options may be NULL. */
+SSFR_API SSFR_MUST ssfr_result ssfr_particles_load(ssfr_particles **out, const char *path, ssfr_load_options *options);
+
+/* Writes a particle file, aside and renamed when complete. */
+SSFR_API SSFR_MUST ssfr_result ssfr_particles_save(const ssfr_particles *particles, const char *path);
+
+/* Half the median distance to the nearest other particle, from at most 512 samples, m; 0 for fewer than two. */
+SSFR_API double ssfr_particles_spacing(const ssfr_particles *particles);
+
+/* Bounds of the particle centres, m, world. Empty sets give zeros. */
+SSFR_API void ssfr_particles_bounds(const ssfr_particles *particles, double lo[3], double hi[3]);
+
+/* ---- scene: what a frame shows --------------------------------------------------------------------------------- */
+
+typedef struct ssfr_solid { /* an oriented box */
+    double centre[3];  /* m, world */
+    double axis[3][3]; /* orthonormal rows, world */
+    double half[3];    /* m, half extents, (0, inf) */
+    double colour[3];  /* linear reflectance, [0, 1] */
+} ssfr_solid;
+
+enum { SSFR_MAX_SOLIDS = 16 };
+
+typedef struct ssfr_scene {
+    const ssfr_particles *particles;
+    ssfr_camera camera;
+    const ssfr_solid *solids;
+    int n_solids;     /* [0, SSFR_MAX_SOLIDS] */
+    double floor;     /* m, world y of the ground plane; -inf for none */
+} ssfr_scene;
+
+/* ---- images: EXR and PNG ---------------------------------------------------------------------------------------- */
+
+/* A named group of channels to write or read: an EXR channel per name, in the field's order. */
+typedef struct ssfr_layer {
+    const char *channels; /* comma-separated names, one a channel: "R,G,B" or "Z" */
+    ssfr_field *field;
+} ssfr_layer;
+
+typedef struct ssfr_attribute { /* a number or, when text is not NULL, a string in an EXR header */
+    const char *name;
+    const char *text;
+    double number;
+} ssfr_attribute;
+
+/* Writes 32-bit float channels, ZIP compressed, aside and renamed when complete. All layers have one size. */
+SSFR_API SSFR_MUST ssfr_result ssfr_exr_save(const char *path, int n_layers, const ssfr_layer *layers,
+                                             int n_attributes, const ssfr_attribute *attributes);
+/* Reads the channels named (comma-separated) into one field; each must be there. Half, float and uint are widened. */
+SSFR_API SSFR_MUST ssfr_result ssfr_exr_load(const char *path, const char *channels, ssfr_field **out);
+/* The file's channel names, comma-separated in file order, as a string to free(). */
+SSFR_API SSFR_MUST ssfr_result ssfr_exr_channels(const char *path, char **out);
+/* The number of a double or float attribute; SSFR_ERR_UNKNOWN when the file lacks it. */
+SSFR_API SSFR_MUST ssfr_result ssfr_exr_number(const char *path, const char *name, double *out);
+
+/* 8-bit sRGB PNG of linear channels (1 or 3), clamped to [0, 1]; read back linear, as 3 channels, alpha dropped. */
+SSFR_API SSFR_MUST ssfr_result ssfr_png_save(const char *path, const ssfr_field *field);
+SSFR_API SSFR_MUST ssfr_result ssfr_png_load(const char *path, ssfr_field **out);
+
+/* ---- GL ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct ssfr_gl ssfr_gl;
+
+typedef enum ssfr_gl_source {
+    SSFR_GL_OWN,     /* a context of ssfr's own, without a window */
+    SSFR_GL_CURRENT, /* the host program's current GL 4.5 core context, whose state is left as found */
+} ssfr_gl_source;
+
+SSFR_API SSFR_MUST ssfr_result ssfr_gl_create(ssfr_gl **out, ssfr_gl_source source);
+SSFR_API void ssfr_gl_destroy(ssfr_gl **gl);
+SSFR_API const char *ssfr_gl_renderer(const ssfr_gl *gl); /* "llvmpipe (...)" */
+SSFR_API const char *ssfr_gl_vendor(const ssfr_gl *gl);
+SSFR_API const char *ssfr_gl_version(const ssfr_gl *gl);
+SSFR_API bool ssfr_gl_is_software(const ssfr_gl *gl);
+
+/* ---- passes, pipelines, graph -------------------------------------------------------------------------------------- */
+
+typedef struct ssfr_pass ssfr_pass;
+typedef struct ssfr_pipeline ssfr_pipeline;
+typedef struct ssfr_graph ssfr_graph;
+
+SSFR_API const ssfr_pass *ssfr_pass_find(const char *name);   /* NULL when there is none */
+SSFR_API const ssfr_pass *ssfr_pass_at(int i);                /* NULL past the end */
+SSFR_API const char *ssfr_pass_name(const ssfr_pass *pass);
+SSFR_API const char *ssfr_pass_help(const ssfr_pass *pass);
+SSFR_API const char *ssfr_pass_source(const ssfr_pass *pass); /* the paper and section it follows */
+SSFR_API const ssfr_param *ssfr_pass_params(const ssfr_pass *pass);
+
+SSFR_API const ssfr_pipeline *ssfr_pipeline_find(const char *name);
+SSFR_API const ssfr_pipeline *ssfr_pipeline_at(int i);
+SSFR_API const char *ssfr_pipeline_name(const ssfr_pipeline *pipeline);
+SSFR_API const char *ssfr_pipeline_help(const ssfr_pipeline *pipeline);
+
+/* The scene-wide parameter groups that all pipelines share: "medium", "light", "sky", "floor". NULL past the end. */
+SSFR_API const char *ssfr_group_at(int i, const ssfr_param **rows);
+
+/* gl NULL: the graph runs the double-precision CPU twins. The gl must outlive the graph. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_create(ssfr_graph **out, const ssfr_pipeline *pipeline, ssfr_gl *gl);
+SSFR_API void ssfr_graph_destroy(ssfr_graph **graph);
+
+/* key is "node.param", "pass.param" (all nodes of the pass), "group.param" or "node.off" (flag). */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_set(ssfr_graph *graph, const char *key, const char *value);
+/* The value as text, written to text[size]. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_get(const ssfr_graph *graph, const char *key, char *text, size_t size);
+/* The row behind a key, NULL when there is none (then nothing is logged). */
+SSFR_API const ssfr_param *ssfr_graph_row(const ssfr_graph *graph, const char *key);
+/* The i-th full key "node.param" or "group.param" of this graph, NULL past the end; keys of off switches come last. */
+SSFR_API const char *ssfr_graph_key_at(const ssfr_graph *graph, int i);
+
+/* Wants a slot's last version beside those already wanted. A new graph wants the pipeline's result. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_want(ssfr_graph *graph, const char *slot);
+/* Wants every slot (true), or only what was asked for (false). */
+SSFR_API void ssfr_graph_want_all(ssfr_graph *graph, bool all);
+
+/* Gives a slot from outside instead of by its node: a field (copied), or the host's texture (GL; row 0 on top). */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_field *field);
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsigned texture);
+/* Writes the pipeline's result into the host's RGBA32F texture of the camera's size. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_export_texture(ssfr_graph *graph, unsigned texture);
+/* Takes positions from the host's buffer: n particles, stride floats apart, first at float `first`, relative to
+ * origin (m, world). The scene's particles must be NULL then. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_buffer(ssfr_graph *graph, unsigned buffer, size_t n, size_t stride,
+                                                        size_t first, const double origin[3], double radius);
+
+typedef struct ssfr_run_options {
+    bool keep_all; /* leave nothing out (to prove that leaving out changes nothing) */
+    bool timing;   /* time each pass; on a software rasteriser this flushes between passes */
+} ssfr_run_options;
+
+/* Runs a frame and waits for it. options may be NULL. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene, const ssfr_run_options *options);
+
+/* A slot of the last frame as a new field. A slot that was left out gives a 1x1 field of its neutral value. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_field **out);
+
+/* The i-th slot that this pipeline writes, NULL past the end. */
+SSFR_API const char *ssfr_graph_slot_at(const ssfr_graph *graph, int i);
+/* A slot's EXR channel names ("Z", "R,G,B", "N.X,N.Y,N.Z") and unit; NULL when there is no such slot. */
+SSFR_API const char *ssfr_slot_channels(const char *slot);
+SSFR_API const char *ssfr_slot_unit(const char *slot);
+
+typedef enum ssfr_node_status {
+    SSFR_RAN,      /* ran in the last frame */
+    SSFR_OFF,      /* switched off by the user */
+    SSFR_UNWANTED, /* left out: nobody reads what it writes */
+    SSFR_NEEDLESS, /* left out: the scene or the parameters make it do nothing */
+    SSFR_GIVEN,    /* left out: its outputs were imported */
+} ssfr_node_status;
+
+typedef struct ssfr_node_report {
+    const char *node, *pass;
+    ssfr_node_status status;
+    const char *why;     /* one line; "" when it ran */
+    double ms;           /* GPU time by timestamps, or the twin's wall time; NaN without timing */
+    double bytes;        /* fewest bytes the pass must move */
+    double taps;         /* image samples or particles a written pixel */
+    double iterations;   /* sweeps over the image */
+    double vertices;     /* vertices drawn */
+} ssfr_node_report;
+
+typedef struct ssfr_report {
+    int n_nodes;
+    const ssfr_node_report *nodes; /* in execution order; owned by the graph, valid until its next run */
+    double wall_ms;      /* wall clock around the finished frame */
+    double cpu_ms;       /* of which planning and facts */
+    double image_bytes;  /* held by the graph's images */
+    long allocations;    /* images and buffers allocated by the last run: 0 after the first of a kind */
+    int n_particles;     /* in packets that touch the view */
+    double covered;      /* share of the image's tiles that may hold fluid, [0, 1] */
+} ssfr_report;
+
+SSFR_API const ssfr_report *ssfr_graph_report(const ssfr_graph *graph);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
