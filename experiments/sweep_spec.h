@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sweep_spec.h: what a sweep runs: axes, fixed settings, a reference, a plot; from YAML or from the command line.
+ *
+ *      title: what the sweep asks                      # all keys but vary may be missing
+ *      pipeline: vanderlaan2009
+ *      scene: double_dam_break                         # one value, or a list: then it is an axis
+ *      size: 640x360
+ *      backend: [gl, cpu]
+ *      set: {sphere_depth.splat: quad}                 # settings of every run
+ *      vary:                                           # axes; the last runs fastest
+ *        curvature_flow.iterations: 0:80:10
+ *        curvature_flow.step: [0.3, 0.6, 0.9]
+ *      reference: {curvature_flow.iterations: 60}      # settings of the frame that all are compared with
+ *      plot: {x: ref_normal_mean_deg, y: ms_median, lines: [sphere_depth.splat, backend]} */
+#ifndef SSFR_SWEEP_SPEC_H
+#define SSFR_SWEEP_SPEC_H
+
+#include "base/base.h"
+
+enum {
+    SSFR_MAX_AXES = 16,
+    SSFR_MAX_VALUES = 10000, /* of an axis */
+    SSFR_MAX_SETTINGS = 256,
+    SSFR_MAX_LINES = 4, /* columns that together name a line of the plot */
+};
+
+/* One dimension of the table. A key is a parameter's, or "scene", "size" or "backend". */
+typedef struct ssfr_axis {
+    char *key;
+    size_t n;
+    char **values; /* what is set and what stands in the table, to the letter */
+    char *where;   /* "spec.yaml:7:3" or the option, for messages */
+} ssfr_axis;
+
+typedef struct ssfr_setting {
+    char *key, *value, *where;
+} ssfr_setting;
+
+typedef struct ssfr_settings {
+    int n;
+    ssfr_setting items[SSFR_MAX_SETTINGS];
+} ssfr_settings;
+
+typedef struct ssfr_plot_spec { /* columns by name; x NULL: no plot */
+    char *title, *x, *y;
+    int n_lines;
+    char *lines[SSFR_MAX_LINES];
+} ssfr_plot_spec;
+
+typedef struct ssfr_sweep_spec {
+    char *title, *pipeline; /* NULL when not given */
+    int n_axes;
+    ssfr_axis axes[SSFR_MAX_AXES];
+    ssfr_settings settings, reference;
+    bool has_reference;
+    ssfr_plot_spec plot;
+} ssfr_sweep_spec;
+
+SSFR_MUST ssfr_result ssfr_sweep_spec_create(ssfr_sweep_spec **out);
+/* Reads a YAML file; "-" is standard input. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_load(ssfr_sweep_spec **out, const char *path);
+void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec);
+
+/* Adds an axis from "a,b,c", "lo:hi:step" (hi included when hit within 1e-9 steps) or "lo:hi:N log"; one of the same key
+ * is replaced, in its place. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_vary(ssfr_sweep_spec *spec, const char *where, const char *key, const char *values);
+/* The same from "key=values". */
+SSFR_MUST ssfr_result ssfr_sweep_spec_vary_text(ssfr_sweep_spec *spec, const char *where, const char *text);
+/* Adds "key=value" to the settings of every run. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_set_text(ssfr_sweep_spec *spec, const char *where, const char *text);
+SSFR_MUST ssfr_result ssfr_sweep_spec_pipeline(ssfr_sweep_spec *spec, const char *name);
+
+/* The axis of that key, NULL when there is none. */
+const ssfr_axis *ssfr_sweep_spec_axis(const ssfr_sweep_spec *spec, const char *key);
+
+/* The number of runs of the full product; an error when there are more than ten million. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_count(const ssfr_sweep_spec *spec, size_t *out);
+/* The index into each axis' values in run i; the last axis is the fastest. */
+void ssfr_sweep_spec_run(const ssfr_sweep_spec *spec, size_t i, size_t index[SSFR_MAX_AXES]);
+
+#endif

@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* test_sweep_spec.c: axes, products and YAML; every malformed sweep is refused with file, line and column. */
+#include "experiments/sweep_spec.h"
+#include "tests/util.h"
+
+#include <unistd.h>
+
+static ssfr_sweep_spec *new_spec(void)
+{
+    ssfr_sweep_spec *spec = NULL;
+    assert_int_equal(ssfr_sweep_spec_create(&spec), SSFR_OK);
+    return spec;
+}
+
+/* The values of one axis, with spaces between. */
+static void assert_axis(const char *text, const char *expected)
+{
+    ssfr_sweep_spec *spec = new_spec();
+    char joined[512] = "";
+    assert_int_equal(ssfr_sweep_spec_vary_text(spec, "--vary", text), SSFR_OK);
+    const ssfr_axis *axis = &spec->axes[0];
+    for (size_t i = 0; i < axis->n; i++) {
+        const size_t used = strlen(joined);
+        snprintf(joined + used, sizeof joined - used, "%s%s", i ? " " : "", axis->values[i]);
+    }
+    assert_string_equal(joined, expected);
+    ssfr_sweep_spec_destroy(&spec);
+    assert_null(spec);
+}
+
+static void a_list_keeps_its_values_to_the_letter(void **state)
+{
+    (void)state;
+    assert_axis("splat.kind=point,quad,exact", "point quad exact");
+    assert_axis("flow.step=0.30, 2.385 ,1e-3", "0.30 2.385 1e-3");
+    assert_axis("backend=gl,cpu", "gl cpu");
+    assert_axis("scene=a:b:c,/tmp/x=y.ply", "a:b:c /tmp/x=y.ply");
+}
+
+static void a_range_includes_its_end_when_it_is_hit(void **state)
+{
+    (void)state;
+    assert_axis("flow.iterations=0:80:20", "0 20 40 60 80");
+    assert_axis("flow.iterations=0:79:20", "0 20 40 60");
+    assert_axis("flow.step=0:0.3:0.1", "0 0.1 0.2 0.3");
+    assert_axis("flow.step=1:0:-0.25", "1 0.75 0.5 0.25 0");
+    assert_axis("flow.step=2.385:2.385:1", "2.385");
+    assert_axis("flow.step=0:0.29999999999:0.1", "0 0.1 0.2 0.3");
+    assert_axis("flow.step=0:0.29999999:0.1", "0 0.1 0.2");
+}
+
+static void a_logarithmic_range_has_equal_ratios(void **state)
+{
+    (void)state;
+    assert_axis("flow.step=0.001:1000:7 log", "0.001 0.01 0.1 1 10 100 1000");
+    assert_axis("flow.step=9:1:3 log", "9 3 1");
+}
+
+static void malformed_axes_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        ssfr_result code;
+        const char *text, *message;
+    } cases[] = {
+        {SSFR_ERR_VALUE, "flow.step", "--vary flow.step: expected key=value"},
+        {SSFR_ERR_VALUE, "=1,2", "--vary =1,2: expected key=value"},
+        {SSFR_ERR_VALUE, "", "--vary : expected key=value"},
+        {SSFR_ERR_UNKNOWN, "speed=1,2", "no axis speed"},
+        {SSFR_ERR_VALUE, "flow.step=", "--vary: flow.step: value 1 is empty"},
+        {SSFR_ERR_VALUE, "flow.step=1,,3", "value 2 is empty"},
+        {SSFR_ERR_VALUE, "flow.step=1, ", "value 2 is empty"},
+        {SSFR_ERR_VALUE, "flow.step=1,2,1", "flow.step: 1 stands twice"},
+        {SSFR_ERR_VALUE, "flow.step=0:80", "flow.step=0:80: expected lo:hi:step"},
+        {SSFR_ERR_VALUE, "flow.step=0:80:1:2", "expected lo:hi:step"},
+        {SSFR_ERR_VALUE, "flow.step=0:x:1", "expected lo:hi:step"},
+        {SSFR_ERR_VALUE, "flow.step=0:nan:1", "expected lo:hi:step"},
+        {SSFR_ERR_VALUE, "flow.step=::", "expected lo:hi:step"},
+        {SSFR_ERR_VALUE, "flow.step=0:80:0", "the step never reaches the end"},
+        {SSFR_ERR_VALUE, "flow.step=0:80:-1", "the step never reaches the end"},
+        {SSFR_ERR_VALUE, "flow.step=0:80:1e-9", "80000000001 values, at most 10000"},
+        {SSFR_ERR_VALUE, "flow.step=-1e308:1e308:1e-300", "inf values, at most 10000"},
+        {SSFR_ERR_VALUE, "flow.step=0:1:3 log", "both ends of a logarithmic range must be positive"},
+        {SSFR_ERR_VALUE, "flow.step=1:2:1 log", "a whole number of values, at least 2"},
+        {SSFR_ERR_VALUE, "flow.step=1:2:2.5 log", "a whole number of values, at least 2"},
+        {SSFR_ERR_VALUE, "flow.step=1:2:1e6 log", "1000000 values, at most 10000"},
+        {SSFR_ERR_VALUE, "flow.step=1:1.0000000001:3 log", "1 stands twice"},
+    };
+    ssfr_sweep_spec *spec = new_spec();
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++)
+        assert_fails(cases[i].code, ssfr_sweep_spec_vary_text(spec, "--vary", cases[i].text), cases[i].message);
+    assert_int_equal(spec->n_axes, 0);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void an_axis_of_too_many_values_or_too_many_axes_are_refused(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    char *text = NULL;
+    assert_int_equal(ssfr_alloc(&text, 20100, 1, "a list"), SSFR_OK);
+    strcpy(text, "a.b=");
+    for (int i = 0; i <= SSFR_MAX_VALUES; i++) strcpy(text + 4 + 2 * i, "1,");
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_vary_text(spec, "--vary", text), "a.b has 10002 values, at most 10000");
+    free(text);
+    for (int i = 0; i < SSFR_MAX_AXES; i++) {
+        char key[16];
+        snprintf(key, sizeof key, "a.b%d", i);
+        assert_int_equal(ssfr_sweep_spec_vary(spec, "--vary", key, "1,2"), SSFR_OK);
+    }
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_vary(spec, "--vary", "a.c", "1"), "a.c: more than 16 axes");
+    assert_int_equal(ssfr_sweep_spec_vary(spec, "--vary", "a.b0", "3"), SSFR_OK);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void an_axis_given_again_is_replaced_in_its_place(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    assert_int_equal(ssfr_sweep_spec_vary_text(spec, "spec", "a.b=1,2"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_vary_text(spec, "spec", "backend=gl,cpu"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_vary_text(spec, "--vary", "a.b=5,6,7"), SSFR_OK);
+    assert_int_equal(spec->n_axes, 2);
+    assert_int_equal(spec->axes[0].n, 3);
+    assert_string_equal(spec->axes[0].values[2], "7");
+    assert_ptr_equal(ssfr_sweep_spec_axis(spec, "backend"), &spec->axes[1]);
+    assert_null(ssfr_sweep_spec_axis(spec, "size"));
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void the_product_runs_with_the_last_axis_fastest(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    size_t n = 0, index[SSFR_MAX_AXES];
+    assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
+    assert_int_equal(n, 1);
+    assert_int_equal(ssfr_sweep_spec_vary(spec, "", "a.b", "1,2"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_vary(spec, "", "a.c", "0:4:2"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_vary(spec, "", "backend", "gl,cpu"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
+    assert_int_equal(n, 12);
+    for (size_t i = 0; i < n; i++) {
+        ssfr_sweep_spec_run(spec, i, index);
+        assert_int_equal(index[0], i / 6);
+        assert_int_equal(index[1], i / 2 % 3);
+        assert_int_equal(index[2], i % 2);
+    }
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void a_product_without_end_is_refused(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    size_t n = 2385;
+    for (int i = 0; i < 5; i++) {
+        const char key[] = {'a', '.', (char)('a' + i), '\0'};
+        assert_int_equal(ssfr_sweep_spec_vary(spec, "--vary", key, "1:10000:1"), SSFR_OK);
+    }
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_count(spec, &n), "with a.b the sweep has more than 10000000 runs");
+    assert_int_equal(n, 2385);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void settings_are_split_at_the_first_equals_sign(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    assert_int_equal(ssfr_sweep_spec_set_text(spec, "--set", "a.b=c=d"), SSFR_OK);
+    assert_string_equal(spec->settings.items[0].key, "a.b");
+    assert_string_equal(spec->settings.items[0].value, "c=d");
+    assert_string_equal(spec->settings.items[0].where, "--set");
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_set_text(spec, "--set", "a.b"), "--set a.b: expected key=value");
+    for (int i = 1; i < SSFR_MAX_SETTINGS; i++) assert_int_equal(ssfr_sweep_spec_set_text(spec, "", "a.b=1"), SSFR_OK);
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_set_text(spec, "--set", "a.b=1"), "more than 256 settings");
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static const char whole[] = "# a comment\n"
+                            "title: What a step costs\n"
+                            "pipeline: vanderlaan2009\n"
+                            "scene: double_dam_break\n"
+                            "size: [320x180, 640x360]\n"
+                            "set: {floor.tile: 0.5}\n"
+                            "vary:\n"
+                            "  flow.iterations: 0:80:40\n"
+                            "  flow.step: [0.3, 0.6]\n"
+                            "  pass.as_printed: [none, \"B10,B11\"]\n"
+                            "backend: gl, cpu\n"
+                            "reference:\n"
+                            "  flow.iterations: 60\n"
+                            "plot: {title: Work, x: ref_psnr, y: ms_median, lines: [flow.step, backend]}\n";
+
+static ssfr_result load_text(ssfr_sweep_spec **spec, const char *text, size_t size)
+{
+    static const char *path;
+    if (!path) path = test_path("spec.yaml");
+    test_write_file(path, text, size);
+    return ssfr_sweep_spec_load(spec, path);
+}
+
+static void assert_whole(const ssfr_sweep_spec *spec)
+{
+    size_t n = 0;
+    assert_string_equal(spec->title, "What a step costs");
+    assert_string_equal(spec->pipeline, "vanderlaan2009");
+    assert_int_equal(spec->n_axes, 6);
+    assert_string_equal(spec->axes[2].key, "flow.iterations");
+    assert_string_equal(spec->axes[4].values[1], "B10,B11");
+    assert_string_equal(spec->axes[5].values[1], "cpu");
+    assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
+    assert_int_equal(n, 2 * 3 * 2 * 2 * 2);
+    assert_int_equal(spec->settings.n, 1);
+    assert_true(spec->has_reference);
+    assert_string_equal(spec->reference.items[0].value, "60");
+    assert_string_equal(spec->plot.x, "ref_psnr");
+    assert_string_equal(spec->plot.title, "Work");
+    assert_int_equal(spec->plot.n_lines, 2);
+    assert_string_equal(spec->plot.lines[1], "backend");
+}
+
+static void a_whole_sweep_is_read(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = NULL;
+    assert_int_equal(load_text(&spec, whole, sizeof whole - 1), SSFR_OK);
+    assert_whole(spec);
+    assert_non_null(strstr(spec->axes[2].where, "spec.yaml:8:3"));
+    assert_non_null(strstr(spec->settings.items[0].where, "spec.yaml:6:7"));
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void a_sweep_is_read_from_standard_input(void **state)
+{
+    (void)state;
+    const char *path = test_path("stdin.yaml");
+    ssfr_sweep_spec *spec = NULL;
+    test_write_file(path, whole, sizeof whole - 1);
+    const int kept = dup(STDIN_FILENO);
+    assert_non_null(freopen(path, "r", stdin));
+    assert_int_equal(ssfr_sweep_spec_load(&spec, "-"), SSFR_OK);
+    dup2(kept, STDIN_FILENO);
+    close(kept);
+    assert_whole(spec);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void malformed_sweeps_are_refused_with_their_place(void **state)
+{
+    (void)state;
+    static const struct {
+        ssfr_result code;
+        const char *text, *message;
+    } cases[] = {
+        {SSFR_ERR_FORMAT, "", "spec.yaml:1:1: an empty file"},
+        {SSFR_ERR_FORMAT, "# nothing\n", "spec.yaml:1:1: an empty file"},
+        {SSFR_ERR_FORMAT, "- a\n", "spec.yaml:1:1: the sweep: expected a map"},
+        {SSFR_ERR_FORMAT, "just words\n", "spec.yaml:1:1: the sweep: expected a map"},
+        {SSFR_ERR_FORMAT, "title: x\nscenes: y\n", "spec.yaml:2:1: no key scenes: a sweep has title, pipeline, scene"},
+        {SSFR_ERR_FORMAT, "title: x\ntitle: y\n", "spec.yaml:2:1: title stands twice"},
+        {SSFR_ERR_FORMAT, "title: [x]\n", "spec.yaml:1:8: title: expected one value"},
+        {SSFR_ERR_FORMAT, "pipeline: {a: b}\n", "spec.yaml:1:11: pipeline: expected one value"},
+        {SSFR_ERR_FORMAT, "scene: {a: b}\n", "spec.yaml:1:8: scene: expected one value"},
+        {SSFR_ERR_FORMAT, "scene: []\n", "spec.yaml:1:8: scene: an empty list"},
+        {SSFR_ERR_FORMAT, "scene: [[a]]\n", "spec.yaml:1:9: scene: expected one value"},
+        {SSFR_ERR_VALUE, "scene: [a, a]\n", "spec.yaml:1:1: scene: a stands twice"},
+        {SSFR_ERR_VALUE, "scene:\n", "spec.yaml:1:1: scene: value 1 is empty"},
+        {SSFR_ERR_FORMAT, "vary: 3\n", "spec.yaml:1:7: vary: expected a map"},
+        {SSFR_ERR_FORMAT, "vary:\n  [a]: 1\n", "spec.yaml:2:3: vary: expected one value"},
+        {SSFR_ERR_UNKNOWN, "vary:\n  speed: 1\n", "spec.yaml:2:3: no axis speed"},
+        {SSFR_ERR_UNKNOWN, "vary:\n  speed: [1]\n", "spec.yaml:2:3: no axis speed"},
+        {SSFR_ERR_VALUE, "vary:\n  a.b: 0:80\n", "spec.yaml:2:3: a.b=0:80: expected lo:hi:step"},
+        {SSFR_ERR_FORMAT, "scene: a\nvary:\n  scene: b\n", "spec.yaml:3:3: scene is varied twice"},
+        {SSFR_ERR_FORMAT, "set: [a]\n", "spec.yaml:1:6: set: expected a map"},
+        {SSFR_ERR_FORMAT, "set:\n  a.b: [1]\n", "spec.yaml:2:8: a.b: expected one value"},
+        {SSFR_ERR_FORMAT, "reference: 1\n", "spec.yaml:1:12: reference: expected a map"},
+        {SSFR_ERR_FORMAT, "plot: {x: a}\n", "spec.yaml:1:1: plot: x and y must be given"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, z: c}\n", "spec.yaml:1:20: plot: no key z"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, lines: c}\n", "spec.yaml:1:27: lines: expected a list of columns"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, lines: [a, b, c, d, e]}\n", "spec.yaml:1:40: lines: more than 4 columns"},
+        {SSFR_ERR_FORMAT, "title: \"a\\0b\"\n", "spec.yaml:1:8: title: a zero byte in the value"},
+        {SSFR_ERR_FORMAT, "title: [x\n", "spec.yaml:2:1: did not find expected ',' or ']'"},
+        {SSFR_ERR_FORMAT, "title: x\n\tscene: y\n", "spec.yaml:2:1: found"},
+        {SSFR_ERR_FORMAT, "title: *x\n", "spec.yaml:1:8: found undefined alias"},
+        {SSFR_ERR_FORMAT, "title: \xff\n", "byte 7: invalid leading UTF-8 octet"},
+        {SSFR_ERR_FORMAT, "title: x\n---\ntitle: y\n", "spec.yaml:3:1: a second document"},
+    };
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_sweep_spec *spec = NULL;
+        assert_fails(cases[i].code, load_text(&spec, cases[i].text, strlen(cases[i].text)), cases[i].message);
+        assert_null(spec);
+    }
+    ssfr_sweep_spec *spec = NULL;
+    assert_fails(SSFR_ERR_IO, ssfr_sweep_spec_load(&spec, test_path("absent.yaml")), "absent.yaml");
+}
+
+static void a_sweep_cut_at_any_byte_gives_a_sweep_or_an_error(void **state)
+{
+    (void)state;
+    int n_loaded = 0;
+    for (size_t n = 0; n < sizeof whole; n++) {
+        ssfr_sweep_spec *spec = NULL;
+        test_clear_log();
+        const ssfr_result result = load_text(&spec, whole, n);
+        assert_int_equal(result == SSFR_OK, spec != NULL);
+        assert_int_equal(test_n_errors(), result == SSFR_OK ? 0 : 1);
+        n_loaded += spec != NULL;
+        ssfr_sweep_spec_destroy(&spec);
+    }
+    assert_true(n_loaded > 10);
+}
+
+static void an_alias_that_holds_itself_is_refused(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = NULL;
+    static const char text[] = "vary: &a\n  flow.step: [*a]\n";
+    assert_fails(SSFR_ERR_FORMAT, load_text(&spec, text, sizeof text - 1), "expected one value");
+    assert_null(spec);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_list_keeps_its_values_to_the_letter),
+        cmocka_unit_test(a_range_includes_its_end_when_it_is_hit),
+        cmocka_unit_test(a_logarithmic_range_has_equal_ratios),
+        cmocka_unit_test(malformed_axes_are_refused),
+        cmocka_unit_test(an_axis_of_too_many_values_or_too_many_axes_are_refused),
+        cmocka_unit_test(an_axis_given_again_is_replaced_in_its_place),
+        cmocka_unit_test(the_product_runs_with_the_last_axis_fastest),
+        cmocka_unit_test(a_product_without_end_is_refused),
+        cmocka_unit_test(settings_are_split_at_the_first_equals_sign),
+        cmocka_unit_test(a_whole_sweep_is_read),
+        cmocka_unit_test(a_sweep_is_read_from_standard_input),
+        cmocka_unit_test(malformed_sweeps_are_refused_with_their_place),
+        cmocka_unit_test(a_sweep_cut_at_any_byte_gives_a_sweep_or_an_error),
+        cmocka_unit_test(an_alias_that_holds_itself_is_refused),
+    };
+    return cmocka_run_group_tests(tests, test_capture_log, NULL);
+}
