@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* output.h: where results go: told apart by their endings, and looked at before long work starts. */
+#ifndef SSFR_OUTPUT_H
+#define SSFR_OUTPUT_H
+
+#include "base/base.h"
+
+typedef enum ssfr_output_kind { SSFR_OUTPUT_OTHER, SSFR_OUTPUT_EXR, SSFR_OUTPUT_PNG } ssfr_output_kind;
+
+/* By the ending of the name, in either case. */
+ssfr_output_kind ssfr_output_kind_of(const char *path);
+
+/* An .exr or .png (or only .exr) that can be written: its folder is there, and it is no folder itself. */
+SSFR_MUST ssfr_result ssfr_output_check_image(const char *path, bool png_too);
+
+/* A folder that can be written to, or that can be made. */
+SSFR_MUST ssfr_result ssfr_output_check_folder(const char *path);
+SSFR_MUST ssfr_result ssfr_output_make_folder(const char *path);
+
+#endif

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* setup.c: finding pipelines and passes by name, and a graph with the user's settings. */
+#include "experiments/setup.h"
+
+#include "graph/graph.h"
+
+#define ROW(...) SSFR_OPTION(ssfr_setup_options, __VA_ARGS__)
+const ssfr_option ssfr_setup_rows[] = {
+    ROW(pipeline, "pipeline", 'p', TEXT, "NAME", "what to render with (default vanderlaan2009; see ssfr pipelines)", 0,
+        0),
+    ROW(backend, "backend", 0, WORD, "gl|cpu", "OpenGL (default), or the double-precision twins on the CPU", 0, 0),
+    ROW(settings, "set", 's', LIST, "KEY=VALUE",
+        "set node.param, pass.param, medium|light|sky|floor.param or node.off; can be repeated", 0, 0),
+    SSFR_OPTION_END,
+};
+
+void ssfr_setup_defaults(ssfr_setup_options *options)
+{
+    *options = (ssfr_setup_options){.pipeline = "vanderlaan2009", .backend = SSFR_BACKEND_GL};
+}
+
+/* Logs that `name` is none of the names that at(i) gives. */
+static ssfr_result fail_unknown(const char *what, const char *name, const char *(*at)(int i))
+{
+    char names[768] = "";
+    size_t used = 0;
+    for (int i = 0; at(i) && used < sizeof names; i++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", at(i));
+    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no such %s; there are %s", name, what, names);
+}
+
+static const char *pipeline_name_at(int i)
+{
+    return ssfr_pipeline_at(i) ? ssfr_pipeline_name(ssfr_pipeline_at(i)) : NULL;
+}
+
+static const char *pass_name_at(int i)
+{
+    return ssfr_pass_at(i) ? ssfr_pass_name(ssfr_pass_at(i)) : NULL;
+}
+
+ssfr_result ssfr_setup_find_pipeline(const ssfr_pipeline **out, const char *name)
+{
+    *out = ssfr_pipeline_find(name);
+    return *out ? SSFR_OK : fail_unknown("pipeline", name, pipeline_name_at);
+}
+
+ssfr_result ssfr_setup_find_pass(const ssfr_pass **out, const char *name)
+{
+    *out = ssfr_pass_find(name);
+    return *out ? SSFR_OK : fail_unknown("pass", name, pass_name_at);
+}
+
+static ssfr_result apply_one(ssfr_graph *graph, const char *setting)
+{
+    char key[256];
+    const size_t length = strcspn(setting, "=");
+    if (!setting[length] || length == 0 || length >= sizeof key)
+        return ssfr_fail(SSFR_ERR_VALUE, "--set %s: expected KEY=VALUE", setting);
+    snprintf(key, sizeof key, "%.*s", (int)length, setting);
+    return ssfr_graph_set(graph, key, setting + length + 1);
+}
+
+ssfr_result ssfr_setup_apply(ssfr_graph *graph, const ssfr_list *settings)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < settings->n && result == SSFR_OK; i++) result = apply_one(graph, settings->items[i]);
+    return result;
+}
+
+ssfr_result ssfr_setup_init(ssfr_setup *setup, const ssfr_setup_options *options, const ssfr_pass *pass)
+{
+    ssfr_result result = SSFR_OK;
+    *setup = (ssfr_setup){0};
+    if (!pass) SSFR_TRY(ssfr_setup_find_pipeline(&setup->pipeline, options->pipeline));
+    if (options->backend == SSFR_BACKEND_GL) SSFR_TRY(ssfr_gl_create(&setup->gl, SSFR_GL_OWN));
+    if (pass)
+        SSFR_TRY(ssfr_graph_create_for_pass(&setup->graph, pass, setup->gl));
+    else
+        SSFR_TRY(ssfr_graph_create(&setup->graph, setup->pipeline, setup->gl));
+    SSFR_TRY(ssfr_setup_apply(setup->graph, &options->settings));
+end:
+    if (result != SSFR_OK) ssfr_setup_finish(setup);
+    return result;
+}
+
+void ssfr_setup_finish(ssfr_setup *setup)
+{
+    ssfr_graph_destroy(&setup->graph);
+    ssfr_gl_destroy(&setup->gl);
+    *setup = (ssfr_setup){0};
+}

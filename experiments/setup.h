@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* setup.h: a graph from the options that say what runs: --pipeline, --backend, --set. */
+#ifndef SSFR_SETUP_H
+#define SSFR_SETUP_H
+
+#include "experiments/options.h"
+
+enum { SSFR_BACKEND_GL, SSFR_BACKEND_CPU }; /* the words of --backend, in their order */
+
+typedef struct ssfr_setup_options {
+    const char *pipeline;
+    int backend;
+    ssfr_list settings; /* "key=value" */
+} ssfr_setup_options;
+
+/* The first row is --pipeline: a command without it starts at the second. */
+extern const ssfr_option ssfr_setup_rows[];
+void ssfr_setup_defaults(ssfr_setup_options *options);
+
+typedef struct ssfr_setup {
+    const ssfr_pipeline *pipeline;
+    ssfr_gl *gl; /* NULL for the CPU */
+    ssfr_graph *graph;
+} ssfr_setup;
+
+/* The pipeline of that name, or an error that lists those there are. */
+SSFR_MUST ssfr_result ssfr_setup_find_pipeline(const ssfr_pipeline **out, const char *name);
+SSFR_MUST ssfr_result ssfr_setup_find_pass(const ssfr_pass **out, const char *name);
+
+/* pass NULL: the pipeline that the options name; else that pass by itself. */
+SSFR_MUST ssfr_result ssfr_setup_init(ssfr_setup *setup, const ssfr_setup_options *options, const ssfr_pass *pass);
+void ssfr_setup_finish(ssfr_setup *setup);
+
+/* Sets each "key=value" of the list. */
+SSFR_MUST ssfr_result ssfr_setup_apply(ssfr_graph *graph, const ssfr_list *settings);
+
+#endif
