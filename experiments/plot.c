@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* plot.c: points, fronts and a gnuplot script from the rows of a sweep. */
+#include "experiments/plot.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+enum { MAX_LINES = 64, NAME_SIZE = 192 };
+
+/* ---- columns ------------------------------------------------------------------------------------------------------ */
+
+static const ssfr_column columns[] = {
+#define X(name, unit, better, help) {#name, unit, better, help},
+#include "experiments/columns.def"
+#undef X
+};
+
+const ssfr_column *ssfr_column_at(int i)
+{
+    return i >= 0 && (size_t)i < SSFR_COUNT(columns) ? &columns[i] : NULL;
+}
+
+const ssfr_column *ssfr_column_find(const char *name)
+{
+    const ssfr_column *found = NULL;
+    for (size_t i = 0; i < SSFR_COUNT(columns) && !found; i++)
+        if (strcmp(columns[i].name, name) == 0) found = &columns[i];
+    return found;
+}
+
+/* "ms_median" and "angle_deg" carry their unit. */
+static bool carries_unit(const char *name, const char *unit)
+{
+    const size_t n = strlen(name), u = strlen(unit);
+    if (n <= u) return false;
+    return (strncmp(name, unit, u) == 0 && name[u] == '_') || (strcmp(name + n - u, unit) == 0 && name[n - u - 1] == '_');
+}
+
+void ssfr_column_header(const char *name, const char *unit, char *text, size_t size)
+{
+    const bool bare = strcmp(unit, "1") == 0 || carries_unit(name, unit);
+    snprintf(text, size, bare ? "%s" : "%s [%s]", name, unit);
+}
+
+/* ---- points -------------------------------------------------------------------------------------------------------- */
+
+static int by_x_then_y(const void *a, const void *b)
+{
+    const ssfr_point *p = a, *q = b;
+    if (p->x != q->x) return p->x < q->x ? -1 : 1;
+    if (p->y != q->y) return p->y < q->y ? -1 : 1;
+    return p->line < q->line ? -1 : p->line > q->line;
+}
+
+void ssfr_plot_front(ssfr_point *points, size_t n)
+{
+    double best = INFINITY;
+    qsort(points, n, sizeof *points, by_x_then_y);
+    for (size_t i = 0; i < n; i++) {
+        const bool same = i > 0 && points[i].x == points[i - 1].x && points[i].y == points[i - 1].y;
+        points[i].front = same ? points[i - 1].front : points[i].y < best;
+        best = fmin(best, points[i].y);
+    }
+}
+
+typedef struct axis {
+    int column;
+    const ssfr_column *meaning; /* NULL for a column that is no measurement */
+    bool log;                   /* decibels and shares are drawn as they are */
+    double sign;                /* -1 where more is better: points hold what is to be small */
+    double lo, hi;              /* of the points */
+    char label[256];
+} axis;
+
+typedef struct plot {
+    const ssfr_csv_table *table;
+    const ssfr_plot_spec *spec;
+    axis x, y;
+    int lines[SSFR_MAX_LINES]; /* columns */
+    ssfr_point *points;
+    size_t n_points, n_left_out;
+    char names[MAX_LINES][NAME_SIZE];
+    size_t n_names;
+} plot;
+
+static ssfr_result find_column(const plot *p, const char *name, int *out)
+{
+    *out = ssfr_csv_column(p->table, name);
+    return *out >= 0 ? SSFR_OK : ssfr_fail(SSFR_ERR_UNKNOWN, "plot: the table has no column %s", name);
+}
+
+static ssfr_result init_axis(const plot *p, axis *a, const char *name)
+{
+    *a = (axis){.meaning = ssfr_column_find(name), .sign = 1, .log = true, .lo = INFINITY, .hi = -INFINITY};
+    if (a->meaning && a->meaning->better > 0) a->sign = -1, a->log = false;
+    if (a->meaning)
+        snprintf(a->label, sizeof a->label, "%s%s%s%s", a->meaning->help, strcmp(a->meaning->unit, "1") ? " [" : "",
+                 strcmp(a->meaning->unit, "1") ? a->meaning->unit : "", strcmp(a->meaning->unit, "1") ? "]" : "");
+    else
+        snprintf(a->label, sizeof a->label, "%s", name);
+    return find_column(p, name, &a->column);
+}
+
+static double axis_value(const plot *p, const axis *a, size_t row)
+{
+    const double value = ssfr_csv_cell_number(p->table, row, a->column);
+    return isfinite(value) && (value > 0 || !a->log) ? a->sign * value : NAN;
+}
+
+/* "splat point, gl": a parameter is told by its last word, the rest by the value alone. */
+static void name_row(const plot *p, size_t row, char name[NAME_SIZE])
+{
+    size_t used = 0;
+    name[0] = '\0';
+    for (int i = 0; i < p->spec->n_lines && used < NAME_SIZE; i++) {
+        const char *dot = strrchr(p->spec->lines[i], '.');
+        used += (size_t)snprintf(name + used, NAME_SIZE - used, "%s%s%s%s", i ? ", " : "", dot ? dot + 1 : "", dot ? " " : "",
+                                 ssfr_csv_cell(p->table, row, p->lines[i]));
+    }
+}
+
+static ssfr_result find_name(plot *p, size_t row, size_t *out)
+{
+    char name[NAME_SIZE];
+    size_t i = 0;
+    name_row(p, row, name);
+    while (i < p->n_names && strcmp(p->names[i], name) != 0) i++;
+    if (i == MAX_LINES) return ssfr_fail(SSFR_ERR_VALUE, "plot: more than %d lines, the next is %s", MAX_LINES, name);
+    if (i == p->n_names) strcpy(p->names[p->n_names++], name);
+    *out = i;
+    return SSFR_OK;
+}
+
+static void widen(axis *a, double value)
+{
+    a->lo = fmin(a->lo, a->sign * value);
+    a->hi = fmax(a->hi, a->sign * value);
+}
+
+static ssfr_result collect(plot *p)
+{
+    ssfr_result result = SSFR_OK;
+    const int status = ssfr_csv_column(p->table, "status");
+    SSFR_TRY(ssfr_alloc(&p->points, p->table->n_rows, sizeof *p->points, "a plot's points"));
+    for (size_t row = 0; row < p->table->n_rows; row++) {
+        ssfr_point point = {.x = axis_value(p, &p->x, row), .y = axis_value(p, &p->y, row)};
+        const bool ran = status < 0 || strcmp(ssfr_csv_cell(p->table, row, status), "ok") == 0;
+        if (!ran || isnan(point.x) || isnan(point.y)) {
+            p->n_left_out++;
+            continue;
+        }
+        SSFR_TRY(find_name(p, row, &point.line));
+        p->points[p->n_points++] = point;
+        widen(&p->x, point.x);
+        widen(&p->y, point.y);
+    }
+end:
+    return result;
+}
+
+/* ---- the script ---------------------------------------------------------------------------------------------------- */
+
+/* A gnuplot string: within single quotes nothing is special but the quote itself. */
+static void put_text(FILE *file, const char *text)
+{
+    fputc('\'', file);
+    for (const char *at = text; *at; at++)
+        if (*at == '\'')
+            fputs("''", file);
+        else
+            fputc((unsigned char)*at < 0x20 ? ' ' : *at, file);
+    fputc('\'', file);
+}
+
+/* Tics at 1, 2 and 5 of each decade; evenly spaced within a narrow range, at decades over a wide one. */
+static void put_log_tics(FILE *file, char name, double lo, double hi)
+{
+    static const double steps[] = {1, 2, 5};
+    const size_t n_steps = hi / lo > 2e3 ? 1 : SSFR_COUNT(steps);
+    fprintf(file, "set %ctics ()\n", name);
+    if (hi / lo < 6) {
+        const double unit = pow(10, floor(log10((hi - lo) / 4))), ratio = (hi - lo) / 4 / unit;
+        const double step = unit * (ratio > 5 ? 5 : ratio > 2 ? 2 : 1);
+        for (double i = ceil(lo / step); i * step <= hi; i++) fprintf(file, "set %ctics add (%.9g)\n", name, i * step);
+        return;
+    }
+    for (double decade = floor(log10(lo)); decade <= ceil(log10(hi)); decade++)
+        for (size_t i = 0; i < n_steps; i++) {
+            const double tic = steps[i] * pow(10, decade);
+            if (tic >= lo && tic <= hi) fprintf(file, "set %ctics add ('%g' %.9g)\n", name, tic, tic);
+        }
+}
+
+static void put_axis(FILE *file, char name, const axis *a)
+{
+    const double factor = pow(fmax(a->hi / a->lo, 1.5), 0.06);
+    const double margin = a->hi > a->lo ? 0.06 * (a->hi - a->lo) : fmax(0.05 * fabs(a->hi), 0.5);
+    const double lo = a->log ? a->lo / factor : a->lo - margin, hi = a->log ? a->hi * factor : a->hi + margin;
+    fprintf(file, "set %clabel ", name);
+    put_text(file, a->label);
+    fprintf(file, "\nset %crange [%.9g:%.9g]\n", name, a->sign < 0 ? hi : lo, a->sign < 0 ? lo : hi);
+    if (!a->log) return;
+    fprintf(file, "set logscale %c\n", name);
+    put_log_tics(file, name, lo, hi);
+}
+
+static void put_points(const plot *p, FILE *file, const char *name, size_t line, bool only_front)
+{
+    fprintf(file, "$%s%zu << EOD\n", name, line);
+    for (size_t i = 0; i < p->n_points; i++) {
+        const ssfr_point *point = &p->points[i];
+        if ((line < p->n_names && point->line != line) || (only_front && !point->front)) continue;
+        fprintf(file, "%.9g %.9g\n", p->x.sign * point->x, p->y.sign * point->y);
+    }
+    fputs("EOD\n", file);
+}
+
+/* The data of each line: all its points, and its own front; then the front of all. */
+static ssfr_result put_data(plot *p, FILE *file)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_point *own = NULL, *const all = p->points;
+    const size_t n_all = p->n_points;
+    SSFR_TRY(ssfr_alloc(&own, n_all, sizeof *own, "a line's points"));
+    for (size_t line = 0; line < p->n_names; line++) {
+        p->points = own;
+        p->n_points = 0;
+        for (size_t i = 0; i < n_all; i++)
+            if (all[i].line == line) own[p->n_points++] = all[i];
+        ssfr_plot_front(own, p->n_points);
+        put_points(p, file, "all", line, false);
+        put_points(p, file, "best", line, true);
+    }
+    p->points = all;
+    p->n_points = n_all;
+    ssfr_plot_front(all, n_all);
+    put_points(p, file, "front", p->n_names, true);
+end:
+    free(own);
+    return result;
+}
+
+/* Colours that the colour-blind tell apart (Okabe and Ito), and a sign of its own for each line. */
+static void put_lines(const plot *p, FILE *file)
+{
+    static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+    static const int signs[] = {7, 5, 9, 11, 13, 4, 8, 10, 12};
+    fputs("plot ", file);
+    for (size_t i = 0; i < p->n_names; i++) {
+        const char *colour = colours[i % SSFR_COUNT(colours)];
+        const int sign = signs[i % SSFR_COUNT(signs)];
+        fprintf(file, "$all%zu using 1:2 with points pt %d ps 0.35 lc rgb '%s' notitle, ", i, sign, colour);
+        fprintf(file, "$best%zu using 1:2 with linespoints pt %d ps 0.8 lw 1.5 lc rgb '%s' title ", i, sign, colour);
+        put_text(file, p->names[i]);
+        fputs(", ", file);
+    }
+    fprintf(file, "$front%zu using 1:2 with points pt 6 ps 1.7 lw 1.5 lc rgb 'black' title 'Pareto front'\n", p->n_names);
+}
+
+static ssfr_result put_script(plot *p, FILE *file, const char *output)
+{
+    char note[256];
+    const int length = snprintf(note, sizeof note, "lines join the best of each method, small signs are its other runs");
+    if (p->n_left_out > 0)
+        snprintf(note + length, sizeof note - (size_t)length, "; %zu of %zu runs failed or have no value to draw", p->n_left_out,
+                 p->n_left_out + p->n_points);
+    fputs("set terminal svg size 1000,640 dynamic noenhanced font 'sans-serif,15' background 'white'\nset output ", file);
+    put_text(file, output);
+    fputs("\nset title ", file);
+    put_text(file, p->spec->title ? p->spec->title : "work and precision");
+    fputs(" . \"\\n\" . ", file);
+    put_text(file, note);
+    fputs("\nset key outside right top\nset grid lt 1 lw 0.5 lc rgb '#dddddd'\nset tics nomirror\n", file);
+    put_axis(file, 'x', &p->x);
+    put_axis(file, 'y', &p->y);
+    const ssfr_result result = put_data(p, file);
+    put_lines(p, file);
+    fputs("set output\n", file);
+    return result;
+}
+
+/* ---- gnuplot ------------------------------------------------------------------------------------------------------- */
+
+/* Runs gnuplot on a script that stands in a file without a name; its own complaints are not shown. */
+static int run_gnuplot(FILE *script, int *status)
+{
+    char *const argv[] = {"gnuplot", "--default-settings", "-", NULL};
+    posix_spawn_file_actions_t actions;
+    pid_t child;
+    int code = posix_spawn_file_actions_init(&actions);
+    if (code != 0) return code;
+    posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    code = posix_spawnp(&child, argv[0], &actions, NULL, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    while (code == 0 && waitpid(child, status, 0) < 0)
+        if (errno != EINTR) code = errno;
+    return code;
+}
+
+/* SSFR_ERR_UNSUPPORTED, with a warning only, when there is no gnuplot. */
+static ssfr_result draw(plot *p, FILE *script, const char *svg)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_aside aside = {0};
+    int status = 0;
+    SSFR_TRY(ssfr_aside_begin(&aside, svg));
+    SSFR_TRY(put_script(p, script, aside.temporary));
+    if (fflush(script) != 0 || fseek(script, 0, SEEK_SET) != 0) {
+        result = ssfr_fail(SSFR_ERR_IO, "%s: cannot write the script of the plot: %s", svg, strerror(errno));
+        goto end;
+    }
+    const int code = run_gnuplot(script, &status);
+    if (code == ENOENT || (WIFEXITED(status) && WEXITSTATUS(status) == 127)) {
+        ssfr_log(SSFR_WARNING, "%s: not drawn, gnuplot is not installed", svg);
+        result = SSFR_ERR_UNSUPPORTED;
+        goto end;
+    }
+    if (code != 0)
+        result = ssfr_fail(SSFR_ERR_IO, "%s: cannot start gnuplot: %s", svg, strerror(code));
+    else if (status != 0 || access(aside.temporary, R_OK) != 0)
+        result = ssfr_fail(SSFR_ERR_IO, "%s: gnuplot failed with status %d", svg, WEXITSTATUS(status));
+end:
+    return ssfr_aside_end(&aside, result);
+}
+
+ssfr_result ssfr_plot_save(const char *svg, const ssfr_csv_table *table, const ssfr_plot_spec *spec)
+{
+    ssfr_result result = SSFR_OK;
+    plot *p = NULL;
+    FILE *script = NULL;
+    SSFR_TRY(ssfr_alloc(&p, 1, sizeof *p, "a plot"));
+    p->table = table;
+    p->spec = spec;
+    SSFR_TRY(init_axis(p, &p->x, spec->x));
+    SSFR_TRY(init_axis(p, &p->y, spec->y));
+    for (int i = 0; i < spec->n_lines; i++) SSFR_TRY(find_column(p, spec->lines[i], &p->lines[i]));
+    SSFR_TRY(collect(p));
+    if (p->n_points == 0) {
+        ssfr_log(SSFR_WARNING, "%s: not drawn, no run has a value for both %s and %s", svg, spec->x, spec->y);
+        goto end;
+    }
+    script = tmpfile();
+    result = script ? draw(p, script, svg) : ssfr_fail(SSFR_ERR_IO, "%s: no temporary file: %s", svg, strerror(errno));
+    if (result == SSFR_ERR_UNSUPPORTED) result = SSFR_OK;
+end:
+    if (script) fclose(script);
+    if (p) free(p->points);
+    free(p);
+    return result;
+}

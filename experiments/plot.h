@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* plot.h: work-precision plots: what each method costs for the error that it reaches, as SVG by gnuplot. */
+#ifndef SSFR_PLOT_H
+#define SSFR_PLOT_H
+
+#include "experiments/csv.h"
+#include "experiments/sweep_spec.h"
+
+/* A column that every sweep has. */
+typedef struct ssfr_column {
+    const char *name, *unit;
+    int better; /* -1: less is better, +1: more, 0: neither */
+    const char *help;
+} ssfr_column;
+
+/* In the order of columns.def; NULL past the end, or when there is no column of that name. */
+const ssfr_column *ssfr_column_at(int i);
+const ssfr_column *ssfr_column_find(const char *name);
+/* "name [unit]", or the name alone where it carries its unit or has none. Written to text[size]. */
+void ssfr_column_header(const char *name, const char *unit, char *text, size_t size);
+
+typedef struct ssfr_point {
+    double x, y; /* less is better in both */
+    size_t line; /* the method that it belongs to */
+    bool front;  /* out: no other point is at least as good in both and better in one */
+} ssfr_point;
+
+/* Sorts the points by x, then y, and marks those on the Pareto front. */
+void ssfr_plot_front(ssfr_point *points, size_t n);
+
+/* Plots the rows of status ok. A missing gnuplot and a table without a row to draw are warnings: then no file is written. */
+SSFR_MUST ssfr_result ssfr_plot_save(const char *svg, const ssfr_csv_table *table, const ssfr_plot_spec *spec);
+
+#endif
