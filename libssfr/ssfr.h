@@ -159,6 +159,9 @@ typedef struct ssfr_load_options {
     size_t n_dropped;    /* out */
 } ssfr_load_options;
 
+/* The formats, one a line: ending and what it is, in brackets. A static string. */
+SSFR_API const char *ssfr_particle_formats(void);
+
 /* Reads a particle file; the format is told by the name's ending (see ssfr_particle_formats). options may be NULL. */
 SSFR_API SSFR_MUST ssfr_result ssfr_particles_load(ssfr_particles **out, const char *path, ssfr_load_options *options);
 

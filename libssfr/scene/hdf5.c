@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: MIT */
+/* hdf5.c: reads and writes ssfr's own particle files.
+ *
+ *   /particles            attribute radius (m; absent when unknown)
+ *   /particles/position   n x 3, float32 where that loses nothing, else float64
+ *   /particles/velocity   n x 3, and so on for each line of SSFR_ATTRIBUTES that the set has: float32 or uint32
+ *
+ * Each dataset has its unit as the attribute units. Chunked, shuffled, deflated; no times are stored, so the same
+ * particles give the same bytes. */
+#include "scene/reader.h"
+
+#include <errno.h>
+#include <hdf5.h>
+#include <pthread.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { CHUNK = 16384, DEFLATE_LEVEL = 6, DEFLATE_MOST = 1032 /* times: no deflated byte makes more */ };
+
+/* ---- living with the library ------------------------------------------------------------------------------------- */
+
+/* HDF5 as distributed may be called by one thread at a time, and prints its errors unless told not to. */
+static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
+
+typedef struct guard {
+    H5E_auto2_t print;
+    void *user;
+} guard;
+
+static guard enter(void)
+{
+    guard g = {0};
+    pthread_mutex_lock(&one_at_a_time);
+    H5Eget_auto2(H5E_DEFAULT, &g.print, &g.user);
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    return g;
+}
+
+static void leave(guard g)
+{
+    H5Eset_auto2(H5E_DEFAULT, g.print, g.user);
+    pthread_mutex_unlock(&one_at_a_time);
+}
+
+/* Closes a handle of any kind, if it was opened. Errors so far are kept, which HDF5 itself does not do. */
+static bool drop(hid_t id)
+{
+    const hid_t errors = H5Eget_current_stack();
+    const bool ok = id <= 0 || H5Idec_ref(id) >= 0;
+    if (ok)
+        H5Eset_current_stack(errors);
+    else
+        H5Eclose_stack(errors);
+    return ok;
+}
+
+enum { WHY = 256 };
+
+static herr_t keep_first(unsigned n, const H5E_error2_t *error, void *why)
+{
+    if (n == 0) snprintf(why, WHY, "%s", error->desc ? error->desc : "");
+    return 0;
+}
+
+/* The error line for a call that HDF5 refused, with its own most specific words. */
+static ssfr_result refused(ssfr_result code, const char *path, const char *what)
+{
+    char why[WHY] = "";
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, why);
+    for (char *c = why; *c; c++)
+        if (*c < ' ' || *c > '~') *c = '?';
+    return ssfr_fail(code, "%s: %s: %s", path, what, why);
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+typedef struct source {
+    ssfr_reading *reading;
+    size_t size; /* of the file, bytes */
+    hid_t group;
+} source;
+
+/* An attribute that says another unit is refused; one that is not there says nothing. */
+static ssfr_result check_units(const source *s, hid_t dataset, const char *name, const char *unit)
+{
+    ssfr_result result = SSFR_OK;
+    char text[32] = "";
+    hid_t attribute = 0, type = 0;
+    if (H5Aexists(dataset, "units") <= 0) return SSFR_OK;
+    attribute = H5Aopen(dataset, "units", H5P_DEFAULT);
+    type = attribute < 0 ? -1 : H5Aget_type(attribute);
+    if (type < 0 || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) || H5Tget_size(type) >= sizeof text ||
+        H5Aread(attribute, type, text) < 0)
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: units: expected a short string of fixed length", s->reading->path,
+                           name);
+    else if (strcmp(text, unit) != 0)
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected units \"%s\", found \"%s\"", s->reading->path, name, unit,
+                           ssfr_printable(text, (char[SSFR_FOUND]){0}));
+    drop(type);
+    drop(attribute);
+    return result;
+}
+
+/* Whether the type in the file can be read as float or uint32_t without harm. */
+static bool type_fits(hid_t type, bool real)
+{
+    const H5T_class_t class = H5Tget_class(type);
+    if (real) return class == H5T_FLOAT;
+    return class == H5T_INTEGER && H5Tget_sign(type) == H5T_SGN_NONE && H5Tget_size(type) <= SSFR_ARRAY_VALUE;
+}
+
+/* Checks a dataset's type and shape (n x count, or n) and that the file can hold it, however well deflated. */
+static ssfr_result check_dataset(const source *s, hid_t dataset, const char *name, size_t count, bool real, size_t *n)
+{
+    ssfr_result result = SSFR_OK;
+    hsize_t dims[2] = {0, 1};
+    const char *path = s->reading->path;
+    const hid_t space = H5Dget_space(dataset), type = H5Dget_type(dataset);
+    const int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
+    if (type < 0 || !type_fits(type, real)) {
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected values of type %s", path, name,
+                           real ? "float" : "uint32");
+    } else if (rank != (count > 1 ? 2 : 1) || H5Sget_simple_extent_dims(space, dims, NULL) < 0 || dims[1] != count) {
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected an array of n x %zu values", path, name, count);
+    } else if (dims[0] > s->size * DEFLATE_MOST / (count * H5Tget_size(type))) {
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: %llu particles do not fit into a file of %zu bytes", path, name,
+                           (unsigned long long)dims[0], s->size);
+    }
+    *n = (size_t)dims[0];
+    drop(type);
+    drop(space);
+    return result;
+}
+
+/* Opens a dataset and learns its n. */
+static ssfr_result open_dataset(const source *s, const char *name, const char *unit, size_t count, bool real,
+                                hid_t *out, size_t *n)
+{
+    ssfr_result result = SSFR_OK;
+    *out = H5Dopen2(s->group, name, H5P_DEFAULT);
+    if (*out < 0) return refused(SSFR_ERR_FORMAT, s->reading->path, name);
+    SSFR_TRY(check_dataset(s, *out, name, count, real, n));
+    SSFR_TRY(check_units(s, *out, name, unit));
+end:
+    return result;
+}
+
+static ssfr_result read_positions(const source *s)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_reading *r = s->reading;
+    hid_t dataset = 0;
+    size_t n = 0;
+    SSFR_TRY(open_dataset(s, "position", "m", 3, true, &dataset, &n));
+    SSFR_TRY(ssfr_reading_begin(r, n));
+    if (n > 0 && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, r->positions) < 0)
+        result = refused(SSFR_ERR_FORMAT, r->path, "position");
+end:
+    drop(dataset);
+    return result;
+}
+
+static ssfr_result read_array(const source *s, const ssfr_array *array)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_reading *r = s->reading;
+    const hid_t type = array->real ? H5T_NATIVE_FLOAT : H5T_NATIVE_UINT32;
+    hid_t dataset = 0;
+    size_t n = 0;
+    ssfr_target target;
+    if (H5Lexists(s->group, array->name, H5P_DEFAULT) <= 0) return SSFR_OK;
+    SSFR_TRY(open_dataset(s, array->name, array->unit, array->count, array->real, &dataset, &n));
+    if (n != r->given.n) {
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s of %zu particles, but %zu positions", r->path, array->name, n,
+                           r->given.n);
+        goto end;
+    }
+    SSFR_TRY(ssfr_target_array(r, array, &target));
+    if (n > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, ssfr_array_get(&r->given, array)) < 0)
+        result = refused(SSFR_ERR_FORMAT, r->path, array->name);
+end:
+    drop(dataset);
+    return result;
+}
+
+static ssfr_result read_radius(const source *s)
+{
+    ssfr_result result = SSFR_OK;
+    hid_t attribute = 0, space = 0;
+    if (H5Aexists(s->group, "radius") <= 0) return SSFR_OK;
+    attribute = H5Aopen(s->group, "radius", H5P_DEFAULT);
+    space = attribute < 0 ? -1 : H5Aget_space(attribute);
+    if (space < 0 || H5Sget_simple_extent_npoints(space) != 1 ||
+        H5Aread(attribute, H5T_NATIVE_DOUBLE, &s->reading->given.radius) < 0)
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: radius: expected one number", s->reading->path);
+    drop(space);
+    drop(attribute);
+    return result;
+}
+
+/* HDF5's own words for a missing file are long. */
+static ssfr_result check_file(const char *path, size_t *size)
+{
+    struct stat info;
+    if (stat(path, &info) != 0 || access(path, R_OK) != 0)
+        return ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+    if (!S_ISREG(info.st_mode)) return ssfr_fail(SSFR_ERR_IO, "%s: not a regular file", path);
+    *size = (size_t)info.st_size;
+    return SSFR_OK;
+}
+
+/* Without locks, which some file systems lack: a file is complete when it gets its name. */
+static hid_t access_list(void)
+{
+    const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
+    if (list > 0) H5Pset_file_locking(list, false, true);
+    return list;
+}
+
+ssfr_result ssfr_hdf5_read(ssfr_reading *reading)
+{
+    ssfr_result result = SSFR_OK;
+    source s = {.reading = reading};
+    hid_t list = 0, file = 0;
+    const guard g = enter();
+    SSFR_TRY(check_file(reading->path, &s.size));
+    list = access_list();
+    file = H5Fopen(reading->path, H5F_ACC_RDONLY, list);
+    if (file < 0) {
+        result = refused(SSFR_ERR_FORMAT, reading->path, "no HDF5 file");
+        goto end;
+    }
+    s.group = H5Gopen2(file, "particles", H5P_DEFAULT);
+    if (s.group < 0) {
+        result = refused(SSFR_ERR_FORMAT, reading->path, "no group particles");
+        goto end;
+    }
+    SSFR_TRY(read_radius(&s));
+    SSFR_TRY(read_positions(&s));
+    for (size_t a = 0; a < SSFR_N_ARRAYS; a++) SSFR_TRY(read_array(&s, ssfr_arrays + a));
+end:
+    drop(s.group);
+    drop(file);
+    drop(list);
+    leave(g);
+    return result;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+/* Creation properties of a dataset of n x count values. A chunk may not be larger than the dataset, nor empty. */
+static hid_t dataset_properties(size_t n, size_t count)
+{
+    const hid_t list = H5Pcreate(H5P_DATASET_CREATE);
+    const hsize_t chunk[2] = {n < CHUNK ? n : CHUNK, count};
+    bool ok = list > 0 && H5Pset_obj_track_times(list, false) >= 0;
+    if (n > 0)
+        ok = ok && H5Pset_chunk(list, count > 1 ? 2 : 1, chunk) >= 0 && H5Pset_shuffle(list) >= 0 &&
+             H5Pset_deflate(list, DEFLATE_LEVEL) >= 0;
+    if (ok) return list;
+    drop(list);
+    return -1;
+}
+
+static bool write_text(hid_t object, const char *name, const char *text)
+{
+    const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+    bool ok = type > 0 && space > 0 && H5Tset_size(type, strlen(text) + 1) >= 0;
+    const hid_t attribute = ok ? H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT) : -1;
+    ok = attribute > 0 && H5Awrite(attribute, type, text) >= 0;
+    drop(attribute);
+    drop(space);
+    drop(type);
+    return ok;
+}
+
+static bool write_number(hid_t object, const char *name, double value)
+{
+    const hid_t space = H5Screate(H5S_SCALAR);
+    const hid_t attribute = H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    const bool ok = attribute > 0 && H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value) >= 0;
+    drop(attribute);
+    drop(space);
+    return ok;
+}
+
+/* What one dataset is made of. */
+typedef struct column {
+    const char *name, *unit;
+    size_t n, count;
+    hid_t type, memory_type; /* in the file, in memory */
+    const void *values;
+} column;
+
+static bool write_column(hid_t group, const column *c)
+{
+    const hsize_t dims[2] = {c->n, c->count};
+    const hid_t list = dataset_properties(c->n, c->count), space = H5Screate_simple(c->count > 1 ? 2 : 1, dims, NULL);
+    const hid_t dataset =
+        list > 0 && space > 0 ? H5Dcreate2(group, c->name, c->type, space, H5P_DEFAULT, list, H5P_DEFAULT) : -1;
+    bool ok = dataset > 0 && write_text(dataset, "units", c->unit);
+    if (c->n > 0) ok = ok && H5Dwrite(dataset, c->memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, c->values) >= 0;
+    ok = drop(dataset) && ok; /* which writes what is still in memory */
+    drop(space);
+    drop(list);
+    return ok;
+}
+
+/* Whether world positions rounded to float come back as the same positions in their packets. */
+static bool floats_suffice(const ssfr_particles *set)
+{
+    bool same = true;
+    for (size_t i = 0; i < set->n && same; i++) {
+        double at[3];
+        const ssfr_packet *packet = set->packets + i / SSFR_PACKET;
+        ssfr_particles_position(set, i, at);
+        for (size_t k = 0; k < 3; k++)
+            same = same && (float)((double)(float)at[k] - packet->centre[k]) == set->position[3 * i + k];
+    }
+    return same;
+}
+
+static ssfr_result write_positions(const ssfr_particles *set, hid_t group, const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    double *positions = NULL;
+    column c = {"position", "m", set->n, 3, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, NULL};
+    SSFR_TRY(ssfr_alloc(&positions, set->n, 3 * sizeof *positions, "positions"));
+    for (size_t i = 0; i < set->n; i++) ssfr_particles_position(set, i, positions + 3 * i);
+    if (floats_suffice(set)) c.type = H5T_IEEE_F32LE;
+    c.values = positions;
+    if (!write_column(group, &c)) result = refused(SSFR_ERR_IO, path, "cannot write position");
+end:
+    free(positions);
+    return result;
+}
+
+static ssfr_result write_array(const ssfr_particles *set, const ssfr_array *array, hid_t group, const char *path)
+{
+    const column c = {array->name, array->unit, set->n, array->count,
+                      array->real ? H5T_IEEE_F32LE : H5T_STD_U32LE,
+                      array->real ? H5T_NATIVE_FLOAT : H5T_NATIVE_UINT32, ssfr_array_get(set, array)};
+    if (c.values && !write_column(group, &c)) return refused(SSFR_ERR_IO, path, "cannot write an array");
+    return SSFR_OK;
+}
+
+static ssfr_result write_group(const ssfr_particles *set, hid_t file, const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    const hid_t group = H5Gcreate2(file, "particles", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    if (group < 0 || (set->radius > 0 && !write_number(group, "radius", set->radius))) {
+        result = refused(SSFR_ERR_IO, path, "cannot write the group particles");
+        goto end;
+    }
+    SSFR_TRY(write_positions(set, group, path));
+    for (size_t a = 0; a < SSFR_N_ARRAYS; a++) SSFR_TRY(write_array(set, ssfr_arrays + a, group, path));
+end:
+    drop(group);
+    return result;
+}
+
+ssfr_result ssfr_hdf5_write(const ssfr_particles *particles, const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_aside aside = {0};
+    hid_t list = 0, file = 0;
+    const guard g = enter();
+    SSFR_TRY(ssfr_aside_begin(&aside, path));
+    list = access_list();
+    file = H5Fcreate(aside.temporary, H5F_ACC_TRUNC, H5P_DEFAULT, list);
+    if (file < 0) {
+        result = refused(SSFR_ERR_IO, path, "cannot be written");
+        goto end;
+    }
+    SSFR_TRY(write_group(particles, file, path));
+    if (H5Fflush(file, H5F_SCOPE_GLOBAL) < 0) result = refused(SSFR_ERR_IO, path, "cannot be written");
+end:
+    if (file > 0 && H5Fclose(file) < 0 && result == SSFR_OK) result = refused(SSFR_ERR_IO, path, "cannot be written");
+    drop(list);
+    result = ssfr_aside_end(&aside, result);
+    leave(g);
+    return result;
+}
