@@ -1,0 +1,8 @@
+/* SPDX-License-Identifier: MIT */
+/* fill.vert: one triangle that covers the target, made from gl_VertexID alone: draw 3 vertices without buffers. */
+#version 450 core
+
+void main()
+{
+    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
+}
