@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/* draw.c: the two ways a pass draws: over the screen's tiles, and a splat for each particle. */
+#include "graph/draw.h"
+
+#include <epoxy/gl.h>
+
+void ssfr_draw_bind(int k, const ssfr_texture *texture)
+{
+    glBindTextureUnit((GLuint)k, texture->name);
+}
+
+ssfr_result ssfr_draw_screen(const ssfr_run *run, unsigned program, int n, const ssfr_texture *const *targets)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_draw *draw = run->draw;
+    SSFR_TRY(ssfr_gl_target(draw->gl, n, targets));
+    glUseProgram(program);
+    if (draw->whole_screen) {
+        glUniform4i(glGetUniformLocation(program, "u_tile"), 0, 0, targets[0]->w, targets[0]->h);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+    } else {
+        glUniform4i(glGetUniformLocation(program, "u_tile"), SSFR_TILE / run->divisor, 1, targets[0]->w, targets[0]->h);
+        glDrawArrays(GL_TRIANGLES, 0, 6 * run->frame->facts.n_tiles);
+    }
+end:
+    return result;
+}
+
+static void set_blend(ssfr_splat_blend blend)
+{
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE); /* MAX ignores it */
+    glBlendEquation(blend == SSFR_BLEND_NEAREST ? GL_MAX : GL_FUNC_ADD);
+}
+
+ssfr_result ssfr_draw_splats(const ssfr_run *run, unsigned program, ssfr_splat_primitive primitive, ssfr_splat_blend blend)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_draw *draw = run->draw;
+    const ssfr_facts *facts = &run->frame->facts;
+    SSFR_TRY(ssfr_gl_target(draw->gl, draw->n_out, draw->out));
+    set_blend(blend);
+    glUseProgram(program);
+    glUniform2i(glGetUniformLocation(program, "u_layout"), draw->stride, draw->first);
+    for (int i = 0; i < facts->n_ranges; i++) {
+        if (primitive == SSFR_POINTS) glDrawArrays(GL_POINTS, facts->first[i], facts->count[i]);
+        else glDrawArrays(GL_TRIANGLES, 6 * facts->first[i], 6 * facts->count[i]);
+    }
+end:
+    return result;
+}
+
+ssfr_result ssfr_draw_copy(const ssfr_texture *from, const ssfr_texture *to)
+{
+    if (from->w != to->w || from->h != to->h || from->c != to->c)
+        return ssfr_fail(SSFR_ERR_VALUE, "copy of an image of %d x %d pixels onto one of %d x %d", from->w, from->h, to->w, to->h);
+    glCopyImageSubData(from->name, GL_TEXTURE_2D, 0, 0, 0, 0, to->name, GL_TEXTURE_2D, 0, 0, 0, 0, from->w, from->h, 1);
+    return SSFR_OK;
+}

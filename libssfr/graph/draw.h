@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/* draw.h: what GPU twins call. Before gl_run the graph has set the baseline state, bound input k to texture unit k as
+ * t_<port>, the coefficients to their uniforms, the frame's block, and cleared outputs that are not written whole. */
+#ifndef SSFR_DRAW_H
+#define SSFR_DRAW_H
+
+#include "gl/gl.h"
+#include "graph/pass.h"
+
+/* Storage buffer bindings; shaders/particles.glsl and tiles.vert repeat them. */
+enum { SSFR_BIND_POSITION, SSFR_BIND_OFFSET, SSFR_BIND_TILES, SSFR_BIND_ID };
+
+typedef struct ssfr_draw {
+    ssfr_gl *gl;
+    const ssfr_texture *in[SSFR_MAX_PORTS];
+    const ssfr_texture *out[SSFR_MAX_OUTPUTS];
+    const ssfr_texture *scratch[SSFR_MAX_SCRATCH];
+    int n_out;
+    const unsigned *programs;
+    bool whole_screen;    /* all pixels, not only tiles with fluid */
+    int stride, first;    /* of the position buffer, in floats */
+} ssfr_draw;
+
+/* Runs a program over the pixels of the targets that may hold fluid, or all of them for a whole-screen pass. */
+SSFR_MUST ssfr_result ssfr_draw_screen(const ssfr_run *run, unsigned program, int n, const ssfr_texture *const *targets);
+
+typedef enum ssfr_splat_primitive { SSFR_POINTS, SSFR_QUADS } ssfr_splat_primitive;
+typedef enum ssfr_splat_blend { SSFR_BLEND_NEAREST, SSFR_BLEND_ADD } ssfr_splat_blend;
+
+/* Draws the visible particles into the outputs; the vertex shader fetches particle gl_VertexID (points) or gl_VertexID / 6. */
+SSFR_MUST ssfr_result ssfr_draw_splats(const ssfr_run *run, unsigned program, ssfr_splat_primitive primitive,
+                                       ssfr_splat_blend blend);
+
+/* Copies one image onto another of the same size and kind. */
+SSFR_MUST ssfr_result ssfr_draw_copy(const ssfr_texture *from, const ssfr_texture *to);
+
+/* Binds another texture in place of input k. */
+void ssfr_draw_bind(int k, const ssfr_texture *texture);
+
+#endif

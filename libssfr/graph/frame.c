@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: MIT */
+/* frame.c: camera, world and facts of one frame; culling by packets; the tiles that may hold fluid. */
+#include "graph/frame.h"
+
+#include "base/param.h"
+
+/* ---- the world's parameter groups ------------------------------------------------------------------------------- */
+
+#define RGB(type, name, r, g, b, unit, max, help)                     \
+    SSFR_PARAM_REAL(type, name##_r, unit, r, 0, max, help ", red"),   \
+    SSFR_PARAM_REAL(type, name##_g, unit, g, 0, max, help ", green"), \
+    SSFR_PARAM_REAL(type, name##_b, unit, b, 0, max, help ", blue")
+
+static const ssfr_param medium_rows[] = {
+    SSFR_PARAM_REAL(ssfr_medium, ior, "1", 1.333, 1, 4, "index of refraction"),
+    RGB(ssfr_medium, absorption, 2.2, 0.65, 0.45, "1/m", 1e6, "absorption coefficient"),
+    RGB(ssfr_medium, color, 0.01, 0.09, 0.13, "1", 1e3, "colour of infinitely thick fluid, linear"),
+    SSFR_PARAM_END,
+};
+
+static const ssfr_param light_rows[] = {
+    SSFR_PARAM_REAL(ssfr_light, azimuth_deg, "deg", 125, -360, 360, "direction to the light, from +x towards +z"),
+    SSFR_PARAM_REAL(ssfr_light, elevation_deg, "deg", 40, -90, 90, "direction to the light above the horizon"),
+    SSFR_PARAM_REAL(ssfr_light, intensity, "1", 1, 0, 1e3, "of the light, against the sky"),
+    SSFR_PARAM_REAL(ssfr_light, ambient, "1", 0.45, 0, 1, "share of the light that reaches shaded faces of solids"),
+    SSFR_PARAM_END,
+};
+
+static const ssfr_param sky_rows[] = {
+    RGB(ssfr_sky, zenith, 0.16, 0.33, 0.68, "1", 1e3, "radiance at the zenith, linear"),
+    RGB(ssfr_sky, horizon, 0.78, 0.86, 0.93, "1", 1e3, "radiance at the horizon, linear"),
+    SSFR_PARAM_END,
+};
+
+static const ssfr_param floor_rows[] = {
+    SSFR_PARAM_REAL(ssfr_floor, tile, "m", 0.4, 1e-6, 1e6, "side of a tile of the chequered floor"),
+    SSFR_PARAM_REAL(ssfr_floor, light, "1", 0.62, 0, 1, "reflectance of the light tiles"),
+    SSFR_PARAM_REAL(ssfr_floor, dark, "1", 0.34, 0, 1, "reflectance of the dark tiles"),
+    SSFR_PARAM_END,
+};
+
+static const struct group {
+    const char *name;
+    const ssfr_param *rows;
+    size_t offset;
+} groups[] = {
+#define X(name, type) {#name, name##_rows, offsetof(ssfr_world, name)},
+    SSFR_GROUPS(X)
+#undef X
+};
+
+const char *ssfr_world_group(int i, const ssfr_param **rows, size_t *offset)
+{
+    const bool there = i >= 0 && (size_t)i < SSFR_COUNT(groups);
+    *rows = there ? groups[i].rows : NULL;
+    *offset = there ? groups[i].offset : 0;
+    return there ? groups[i].name : NULL;
+}
+
+const char *ssfr_group_at(int i, const ssfr_param **rows)
+{
+    size_t offset;
+    return ssfr_world_group(i, rows, &offset);
+}
+
+void ssfr_world_default(ssfr_world *world)
+{
+    for (size_t i = 0; i < SSFR_COUNT(groups); i++) ssfr_params_default(groups[i].rows, (char *)world + groups[i].offset);
+}
+
+/* ---- the block that shaders read ---------------------------------------------------------------------------------- */
+
+static void set4(double out[4], double x, double y, double z, double w)
+{
+    out[0] = x, out[1] = y, out[2] = z, out[3] = w;
+}
+
+/* Two tiles are one period of the floor, so the pattern needs the eye's place only modulo that. */
+static double in_period(double position, double tile)
+{
+    return fmod(position, 2 * tile);
+}
+
+static void fill_solids(ssfr_block *block, const ssfr_scene *scene)
+{
+    for (int i = 0; i < scene->n_solids; i++) {
+        const ssfr_solid *s = &scene->solids[i];
+        double(*out)[4] = block->solid[i];
+        const double *eye = scene->camera.eye;
+        set4(out[0], s->centre[0] - eye[0], s->centre[1] - eye[1], s->centre[2] - eye[2], 0);
+        for (int k = 0; k < 3; k++) set4(out[1 + k], s->axis[k][0], s->axis[k][1], s->axis[k][2], s->half[k]);
+        set4(out[4], s->colour[0], s->colour[1], s->colour[2], 0);
+    }
+}
+
+static void fill_block(ssfr_block *block, const ssfr_scene *scene, const ssfr_world *world)
+{
+    const ssfr_camera *camera = &scene->camera;
+    const ssfr_medium *m = &world->medium;
+    const ssfr_sky *sky = &world->sky;
+    const double degree = 3.14159265358979323846 / 180, tile = world->floor.tile;
+    const double a = world->light.azimuth_deg * degree, e = world->light.elevation_deg * degree;
+    const double floor_y = isfinite(scene->floor) ? scene->floor - camera->eye[1] : -SSFR_EMPTY;
+    set4(block->image, camera->w, camera->h, 2 * camera->tan_x / camera->w, 2 * camera->tan_y / camera->h);
+    set4(block->right, camera->right[0], camera->right[1], camera->right[2], floor_y);
+    set4(block->up, camera->up[0], camera->up[1], camera->up[2], in_period(camera->eye[0], tile));
+    set4(block->back, camera->back[0], camera->back[1], camera->back[2], in_period(camera->eye[2], tile));
+    set4(block->light, cos(e) * cos(a), sin(e), cos(e) * sin(a), world->light.intensity);
+    set4(block->absorption, m->absorption_r, m->absorption_g, m->absorption_b, m->ior);
+    set4(block->fluid, m->color_r, m->color_g, m->color_b, world->light.ambient);
+    set4(block->zenith, sky->zenith_r, sky->zenith_g, sky->zenith_b, scene->n_solids);
+    set4(block->horizon, sky->horizon_r, sky->horizon_g, sky->horizon_b, camera->near);
+    set4(block->floor, tile, world->floor.light, world->floor.dark, camera->far);
+    fill_solids(block, scene);
+}
+
+/* ---- facts ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct bounds { /* of a packet, in eye space */
+    double centre[3], half[3];
+} bounds;
+
+static bounds packet_bounds(const ssfr_frame *frame, size_t i, double reach)
+{
+    const ssfr_packet *packet = &frame->particles->packets[i];
+    bounds b;
+    for (int k = 0; k < 3; k++) {
+        b.centre[k] = frame->offset[i][k];
+        b.half[k] = reach;
+        for (int j = 0; j < 3; j++) b.half[k] += fabs(frame->rotation[k][j]) * (double)packet->half[j];
+    }
+    return b;
+}
+
+/* The pixels that a box may touch along one axis, [lo, hi), for a box at [c - h, c + h] and distances [near, far]. */
+static void project(double c, double h, double near, double far, double per_pixel, int size, int *lo, int *hi)
+{
+    const double a = fmin((c - h) / near, (c - h) / far), b = fmax((c + h) / near, (c + h) / far);
+    /* One pixel more on each side, for what floats round and for the margins of splats. */
+    *lo = (int)floor(ssfr_clamp(a / per_pixel + size / 2.0 - 1, 0, size));
+    *hi = (int)ceil(ssfr_clamp(b / per_pixel + size / 2.0 + 1, 0, size));
+}
+
+static bool box_pixels(const ssfr_frame *frame, const bounds *b, int lo[2], int hi[2])
+{
+    const double farthest = b->half[2] - b->centre[2], nearest = -b->half[2] - b->centre[2];
+    lo[0] = lo[1] = 0, hi[0] = frame->w, hi[1] = frame->h;
+    if (farthest < frame->near) return false; /* behind the near plane */
+    if (nearest > 1e-3 * farthest) {
+        project(b->centre[0], b->half[0], nearest, farthest, frame->block.image[2], frame->w, &lo[0], &hi[0]);
+        project(-b->centre[1], b->half[1], nearest, farthest, frame->block.image[3], frame->h, &lo[1], &hi[1]);
+    }
+    return lo[0] < hi[0] && lo[1] < hi[1];
+}
+
+static void mark_tiles(ssfr_facts *facts, const int lo[2], const int hi[2])
+{
+    const int x0 = lo[0] / SSFR_TILE, x1 = (hi[0] - 1) / SSFR_TILE;
+    for (int y = lo[1] / SSFR_TILE; y <= (hi[1] - 1) / SSFR_TILE; y++)
+        memset(facts->mask + (size_t)y * (size_t)facts->tiles_x + x0, 1, (size_t)(x1 - x0 + 1));
+}
+
+static void add_packet(ssfr_frame *frame, size_t i)
+{
+    ssfr_facts *facts = &frame->facts;
+    const size_t start = i * SSFR_PACKET, left = frame->n_particles - start;
+    const int n = (int)(left < SSFR_PACKET ? left : SSFR_PACKET), last = facts->n_ranges - 1;
+    if (last >= 0 && (size_t)facts->first[last] + (size_t)facts->count[last] == start) {
+        facts->count[last] += n;
+    } else {
+        facts->first[facts->n_ranges] = (int)start;
+        facts->count[facts->n_ranges++] = n;
+    }
+    facts->n_particles += (size_t)n;
+}
+
+static void list_tiles(ssfr_facts *facts)
+{
+    facts->n_tiles = 0;
+    for (int y = 0; y < facts->tiles_y; y++)
+        for (int x = 0; x < facts->tiles_x; x++)
+            if (facts->mask[y * facts->tiles_x + x]) facts->tiles[facts->n_tiles++] = (uint32_t)x | (uint32_t)y << 16;
+    facts->covered = (double)facts->n_tiles / (double)(facts->tiles_x * facts->tiles_y);
+}
+
+static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
+{
+    ssfr_facts *facts = &frame->facts;
+    double nearest = INFINITY;
+    int lo[2], hi[2];
+    facts->n_particles = 0;
+    facts->n_ranges = 0;
+    memset(facts->mask, keep_all, (size_t)facts->tiles_x * (size_t)facts->tiles_y);
+    for (size_t i = 0; i < frame->n_packets; i++) {
+        const bounds b = packet_bounds(frame, i, reach * frame->radius);
+        const bool visible = box_pixels(frame, &b, lo, hi);
+        if (visible) nearest = fmin(nearest, -b.centre[2] - b.half[2]);
+        if (visible && !keep_all) mark_tiles(facts, lo, hi);
+        if (visible || keep_all) add_packet(frame, i);
+    }
+    facts->nearest = fmax(nearest, frame->near);
+    list_tiles(facts);
+}
+
+/* ---- preparing ---------------------------------------------------------------------------------------------------------- */
+
+static ssfr_result reserve(ssfr_frame *frame, long *grew)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_facts *facts = &frame->facts;
+    const size_t n_tiles = (size_t)facts->tiles_x * (size_t)facts->tiles_y;
+    if (frame->n_packets > frame->cap_packets) {
+        free(frame->offset), free(facts->first), free(facts->count);
+        frame->offset = NULL, facts->first = facts->count = NULL, frame->cap_packets = 0;
+        SSFR_TRY(ssfr_alloc(&frame->offset, frame->n_packets, sizeof *frame->offset, "packet offsets"));
+        SSFR_TRY(ssfr_alloc(&facts->first, frame->n_packets, sizeof *facts->first, "particle ranges"));
+        SSFR_TRY(ssfr_alloc(&facts->count, frame->n_packets, sizeof *facts->count, "particle ranges"));
+        frame->cap_packets = frame->n_packets;
+        ++*grew;
+    }
+    if (n_tiles > frame->cap_tiles) {
+        free(facts->tiles), free(facts->mask);
+        facts->tiles = NULL, facts->mask = NULL, frame->cap_tiles = 0;
+        SSFR_TRY(ssfr_alloc(&facts->tiles, n_tiles, sizeof *facts->tiles, "tiles"));
+        SSFR_TRY(ssfr_alloc(&facts->mask, n_tiles, 1, "tiles"));
+        frame->cap_tiles = n_tiles;
+        ++*grew;
+    }
+end:
+    return result;
+}
+
+static ssfr_result check_scene(const ssfr_scene *scene)
+{
+    const ssfr_camera *c = &scene->camera;
+    if (c->w < 1 || c->h < 1 || c->w > SSFR_MAX_SIZE || c->h > SSFR_MAX_SIZE)
+        return ssfr_fail(SSFR_ERR_VALUE, "image of %d x %d pixels: sides go from 1 to %d", c->w, c->h, SSFR_MAX_SIZE);
+    if (!(c->tan_x > 0 && c->tan_y > 0 && isfinite(c->tan_x) && isfinite(c->tan_y)))
+        return ssfr_fail(SSFR_ERR_VALUE, "camera: half widths at unit distance are %g and %g", c->tan_x, c->tan_y);
+    if (!(c->near > 0 && c->near < c->far))
+        return ssfr_fail(SSFR_ERR_VALUE, "camera: near %g and far %g; 0 < near < far is needed", c->near, c->far);
+    if (scene->n_solids < 0 || scene->n_solids > SSFR_MAX_SOLIDS)
+        return ssfr_fail(SSFR_ERR_VALUE, "%d solids, at most %d are drawn", scene->n_solids, SSFR_MAX_SOLIDS);
+    if (scene->particles && scene->particles->n && !(scene->particles->radius > 0 && isfinite(scene->particles->radius)))
+        return ssfr_fail(SSFR_ERR_VALUE, "particle radius %g m: it must be positive", scene->particles->radius);
+    if (scene->particles && scene->particles->n > INT32_MAX / 8)
+        return ssfr_fail(SSFR_ERR_VALUE, "%zu particles, at most %d are drawn", scene->particles->n, INT32_MAX / 8);
+    return SSFR_OK;
+}
+
+static void place_eye(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world)
+{
+    const ssfr_camera *camera = &scene->camera;
+    frame->scene = scene;
+    frame->w = camera->w, frame->h = camera->h, frame->near = camera->near;
+    frame->facts.tiles_x = (camera->w + SSFR_TILE - 1) / SSFR_TILE;
+    frame->facts.tiles_y = (camera->h + SSFR_TILE - 1) / SSFR_TILE;
+    for (int k = 0; k < 3; k++)
+        frame->rotation[0][k] = camera->right[k], frame->rotation[1][k] = camera->up[k], frame->rotation[2][k] = camera->back[k];
+    fill_block(&frame->block, scene, world);
+}
+
+/* Formed in double: the difference of two large world coordinates must not pass through a float. */
+static void eye_from_world(const ssfr_frame *frame, const double point[3], double out[3])
+{
+    const double *eye = frame->scene->camera.eye;
+    const double d[3] = {point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]};
+    for (int k = 0; k < 3; k++) out[k] = ssfr_dot(frame->rotation[k], d);
+}
+
+ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, double reach,
+                               bool keep_all, long *grew)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_particles *p = scene->particles;
+    SSFR_TRY(check_scene(scene));
+    place_eye(frame, scene, world);
+    frame->particles = p;
+    frame->n_particles = p ? p->n : 0;
+    frame->n_packets = p ? p->n_packets : 0;
+    frame->radius = p ? p->radius : 0;
+    SSFR_TRY(reserve(frame, grew));
+    for (size_t i = 0; i < frame->n_packets; i++) eye_from_world(frame, p->packets[i].centre, frame->offset[i]);
+    count_facts(frame, reach, keep_all);
+end:
+    return result;
+}
+
+ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, size_t n,
+                                    const double origin[3], double radius, long *grew)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(check_scene(scene));
+    place_eye(frame, scene, world);
+    frame->particles = NULL;
+    frame->n_particles = n;
+    frame->n_packets = (n + SSFR_PACKET - 1) / SSFR_PACKET;
+    frame->radius = radius;
+    SSFR_TRY(reserve(frame, grew));
+    for (size_t i = 0; i < frame->n_packets; i++) eye_from_world(frame, origin, frame->offset[i]);
+    frame->facts.n_particles = n;
+    frame->facts.n_ranges = n > 0;
+    if (n) frame->facts.first[0] = 0, frame->facts.count[0] = (int)n;
+    frame->facts.nearest = frame->near;
+    memset(frame->facts.mask, 1, (size_t)frame->facts.tiles_x * (size_t)frame->facts.tiles_y);
+    list_tiles(&frame->facts);
+end:
+    return result;
+}
+
+void ssfr_frame_finish(ssfr_frame *frame)
+{
+    free(frame->offset);
+    free(frame->facts.first), free(frame->facts.count);
+    free(frame->facts.tiles), free(frame->facts.mask);
+    *frame = (ssfr_frame){0};
+}

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* frame.h: what is the same for all nodes of one frame: camera, world, facts about the scene. */
+#ifndef SSFR_FRAME_H
+#define SSFR_FRAME_H
+
+#include "base/base.h"
+
+enum { SSFR_TILE = 32 }; /* px at full resolution; divisors of the resolution divide it */
+
+/* The scene-wide parameter groups. One line is one group: member, type, rows (in world.c). */
+#define SSFR_GROUPS(X)               \
+    X(medium, ssfr_medium)           \
+    X(light, ssfr_light)             \
+    X(sky, ssfr_sky)                 \
+    X(floor, ssfr_floor)
+
+typedef struct ssfr_medium {
+    double ior;                                         /* index of refraction */
+    double absorption_r, absorption_g, absorption_b;    /* 1/m */
+    double color_r, color_g, color_b;                   /* linear, what infinitely thick fluid shows */
+} ssfr_medium;
+
+typedef struct ssfr_light {
+    double azimuth_deg, elevation_deg; /* towards the light, from +x to +z, above the horizon */
+    double intensity;
+    double ambient;                    /* share of the light that reaches shaded faces of solids */
+} ssfr_light;
+
+typedef struct ssfr_sky {
+    double zenith_r, zenith_g, zenith_b;
+    double horizon_r, horizon_g, horizon_b;
+} ssfr_sky;
+
+typedef struct ssfr_floor {
+    double tile;                /* m, side of a chequered tile */
+    double light, dark;         /* linear reflectance of the two kinds of tile */
+} ssfr_floor;
+
+typedef struct ssfr_world {
+#define X(name, type) type name;
+    SSFR_GROUPS(X)
+#undef X
+} ssfr_world;
+
+/* What shaders read as the uniform block Frame (shaders/frame.glsl, vec4 by vec4) and the twins as it stands.
+ * World directions have world axes; positions are relative to the eye, so that no large number reaches a float. */
+typedef struct ssfr_block {
+    double image[4];       /* w px, h px, c_x, c_y: eye-space width and height of a pixel at unit depth */
+    double right[4];       /* xyz: eye-space x axis in world; w: floor's y minus the eye's, m, -SSFR_EMPTY for none */
+    double up[4];          /* xyz: eye-space y axis; w: the eye's x modulo two tiles, m */
+    double back[4];        /* xyz: eye-space z axis; w: the eye's z modulo two tiles, m */
+    double light[4];       /* xyz: unit vector towards the light, world; w: intensity */
+    double absorption[4];  /* rgb, 1/m; w: index of refraction */
+    double fluid[4];       /* rgb: colour of infinitely thick fluid; w: ambient */
+    double zenith[4];      /* rgb; w: number of solids */
+    double horizon[4];     /* rgb; w: near distance, m */
+    double floor[4];       /* tile m, light, dark, far distance m */
+    double solid[SSFR_MAX_SOLIDS][5][4]; /* centre - eye; three axes with the half extent in w; colour */
+} ssfr_block;
+
+/* Counted once a frame, on the CPU, from packets: every number is a safe bound. */
+typedef struct ssfr_facts {
+    size_t n_particles;   /* in packets that touch the view */
+    double nearest;       /* m, no fluid surface in view is nearer to the eye plane; >= the camera's near */
+    int n_ranges;         /* runs of consecutive visible particles */
+    int *first, *count;   /* of each run, in particles */
+    int tiles_x, tiles_y; /* the image in tiles */
+    int n_tiles;          /* that may hold fluid */
+    uint32_t *tiles;      /* x + 65536 y each */
+    unsigned char *mask;  /* tiles_x tiles_y, scratch */
+    double covered;       /* n_tiles over all */
+} ssfr_facts;
+
+typedef struct ssfr_frame {
+    const ssfr_scene *scene;
+    const ssfr_particles *particles; /* NULL when the positions are in the host's buffer */
+    size_t n_particles;
+    double radius;                   /* m */
+    int w, h;                        /* px */
+    double near;                     /* m */
+    size_t n_packets;
+    double (*offset)[3];             /* m, eye-space packet centres */
+    double rotation[3][3];           /* eye from world */
+    ssfr_block block;
+    ssfr_facts facts;
+    size_t cap_packets, cap_tiles;   /* allocated */
+} ssfr_frame;
+
+void ssfr_world_default(ssfr_world *world);
+/* Rows and address of the i-th group; NULL past the end. */
+const char *ssfr_world_group(int i, const ssfr_param **rows, size_t *offset);
+
+/* Fills the frame from the scene and the world. reach: how far splats extend, in particle radii; keep_all: no culling, all tiles.
+ * *grew counts allocations: none when the sizes are as before. */
+SSFR_MUST ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, double reach,
+                                         bool keep_all, long *grew);
+/* The same for n particles in a host's buffer, relative to origin: nothing is known of where they are. */
+SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, size_t n,
+                                              const double origin[3], double radius, long *grew);
+void ssfr_frame_finish(ssfr_frame *frame);
+
+/* Eye-space position of particle i, m. */
+static inline void ssfr_frame_eye(const ssfr_frame *frame, size_t i, double out[3])
+{
+    const double *offset = frame->offset[i / SSFR_PACKET];
+    const float *p = frame->particles->position + 3 * i;
+    for (int k = 0; k < 3; k++)
+        out[k] = offset[k] + frame->rotation[k][0] * (double)p[0] + frame->rotation[k][1] * (double)p[1] +
+                 frame->rotation[k][2] * (double)p[2];
+}
+
+#endif

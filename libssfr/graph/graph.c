@@ -1,0 +1,492 @@
+/* SPDX-License-Identifier: MIT */
+/* graph.c: what a graph is: nodes and resources from a pipeline, its parameters, what is given and what is wanted. */
+#include "graph/internal.h"
+
+#include <assert.h>
+#include <epoxy/gl.h>
+
+static const ssfr_param off_row = SSFR_PARAM_FLAG(node, off, 0, "leave this node out");
+
+/* ---- images ------------------------------------------------------------------------------------------------------- */
+
+ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c)
+{
+    ssfr_result result = SSFR_OK;
+    if (im->w == w && im->h == h && im->c == c) return SSFR_OK;
+    ssfr_image_finish(im);
+    if (graph->gl) SSFR_TRY(ssfr_texture_create(graph->gl, &im->texture, w, h, c));
+    else SSFR_TRY(ssfr_field_create(&im->field, w, h, c));
+    im->w = w, im->h = h, im->c = c;
+    graph->grew++;
+end:
+    return result;
+}
+
+void ssfr_image_finish(image *im)
+{
+    ssfr_field_destroy(&im->field);
+    ssfr_texture_finish(&im->texture);
+    *im = (image){0};
+}
+
+/* ---- nodes and resources --------------------------------------------------------------------------------------------- */
+
+static ssfr_result add_resource(ssfr_graph *graph, ssfr_slot_id slot, int writer, int *out)
+{
+    if (graph->n_resources == SSFR_MAX_RESOURCES)
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: more than %d images", graph->pipeline->name, SSFR_MAX_RESOURCES);
+    *out = graph->n_resources++;
+    graph->resources[*out] = (resource){.slot = slot, .writer = writer, .from = -1};
+    graph->last[slot] = *out;
+    return SSFR_OK;
+}
+
+static ssfr_slot_id bound_slot(const ssfr_node *def, const ssfr_port *port)
+{
+    ssfr_slot_id slot = port->slot;
+    for (const ssfr_binding *b = def->ports; b->port; b++)
+        if (strcmp(b->port, port->name) == 0) slot = b->slot;
+    return slot;
+}
+
+static ssfr_result check_port(const node *n, const ssfr_port *port, ssfr_slot_id slot)
+{
+    if (ssfr_slots[slot].channels != ssfr_slots[port->slot].channels)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: port %s takes %d channels, slot %s has %d", n->name, port->name,
+                         ssfr_slots[port->slot].channels, ssfr_slots[slot].name, ssfr_slots[slot].channels);
+    return SSFR_OK;
+}
+
+/* Inputs read the last version written so far; outputs make a new one. */
+static ssfr_result connect(ssfr_graph *graph, node *n, int index)
+{
+    ssfr_result result = SSFR_OK;
+    for (const ssfr_port *port = n->pass->inputs; port->name; port++) {
+        const ssfr_slot_id slot = bound_slot(n->def, port);
+        SSFR_TRY(check_port(n, port, slot));
+        if (graph->last[slot] < 0) SSFR_TRY(add_resource(graph, slot, -1, &graph->last[slot]));
+        n->in[n->n_in++] = graph->last[slot];
+    }
+    for (const ssfr_port *port = n->pass->outputs; port->name; port++) {
+        const ssfr_slot_id slot = bound_slot(n->def, port);
+        SSFR_TRY(check_port(n, port, slot));
+        SSFR_TRY(add_resource(graph, slot, index, &n->out[n->n_out++]));
+    }
+end:
+    return result;
+}
+
+static ssfr_result apply_setting(node *n, const char *setting)
+{
+    char name[64];
+    const size_t length = strcspn(setting, "=");
+    snprintf(name, sizeof name, "%.*s", (int)length, setting);
+    const ssfr_param *row = ssfr_param_find(n->pass->params, name);
+    if (!row) return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: pass %s has no parameter %s", n->name, n->pass->name, name);
+    return ssfr_param_set(row, n->params, name, setting + length + (setting[length] == '='));
+}
+
+static ssfr_result add_node(ssfr_graph *graph, const ssfr_node *def)
+{
+    ssfr_result result = SSFR_OK;
+    const int index = graph->n_nodes;
+    node *n = &graph->nodes[index];
+    const ssfr_pass *pass = ssfr_pass_find(def->pass ? def->pass : def->name);
+    if (!pass) return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no pass %s", def->name, def->pass ? def->pass : def->name);
+    *n = (node){.def = def, .pass = pass};
+    graph->n_nodes++;
+    snprintf(n->name, sizeof n->name, "%s", def->name);
+    SSFR_TRY(ssfr_alloc(&n->params, 1, pass->params_size, "parameters"));
+    SSFR_TRY(ssfr_alloc(&n->coeffs, 1, pass->coeffs_size, "coefficients"));
+    ssfr_params_default(pass->params, n->params);
+    for (const char *const *setting = def->settings; *setting; setting++) SSFR_TRY(apply_setting(n, *setting));
+    SSFR_TRY(connect(graph, n, index));
+end:
+    return result;
+}
+
+static ssfr_result get_programs(ssfr_graph *graph, node *n)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; n->pass->programs[i].vert; i++) {
+        const ssfr_program_row *row = &n->pass->programs[i];
+        SSFR_TRY(ssfr_program_get(graph->gl, &n->programs[i], row->vert, row->frag, row->defines));
+        for (int k = 0; k < n->n_in; k++) {
+            char name[64];
+            snprintf(name, sizeof name, "t_%s", n->pass->inputs[k].name);
+            const int location = glGetUniformLocation(n->programs[i], name);
+            if (location >= 0) glProgramUniform1i(n->programs[i], location, k);
+        }
+        for (int k = 0; n->pass->uniforms && n->pass->uniforms[k].name; k++) {
+            assert(k < SSFR_MAX_UNIFORMS);
+            n->locations[i][k] = glGetUniformLocation(n->programs[i], n->pass->uniforms[k].name);
+        }
+    }
+end:
+    return result;
+}
+
+static ssfr_result make_neutrals(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < graph->n_resources; i++) {
+        const ssfr_slot_id id = graph->resources[i].slot;
+        const ssfr_slot *slot = &ssfr_slots[id];
+        image *im = &graph->neutral[id];
+        if (im->w) continue;
+        SSFR_TRY(ssfr_image_ensure(graph, im, 1, 1, slot->channels));
+        const float value = (float)slot->neutral;
+        if (graph->gl) ssfr_texture_clear(&im->texture, (const float[4]){value, value, value, value});
+        else ssfr_field_fill(im->field, slot->neutral);
+    }
+end:
+    return result;
+}
+
+static ssfr_result make_gl(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_gl_begin(graph->gl));
+    for (int i = 0; i < graph->n_nodes && result == SSFR_OK; i++) result = get_programs(graph, &graph->nodes[i]);
+    if (result == SSFR_OK) result = make_neutrals(graph);
+    if (result == SSFR_OK) result = ssfr_timers_create(&graph->timers, SSFR_MAX_NODES);
+    if (result == SSFR_OK)
+        result = ssfr_buffer_create(graph->gl, &graph->block, sizeof(ssfr_block) / sizeof(double) * sizeof(float), NULL, true);
+    result = ssfr_gl_end(graph->gl, result);
+end:
+    return result;
+}
+
+/* ---- keys: "node.param", "group.param", "node.off" ---------------------------------------------------------------------- */
+
+static ssfr_result add_key(ssfr_graph *graph, int capacity, const char *head, const char *name)
+{
+    ssfr_result result = SSFR_OK;
+    if (graph->n_keys < capacity) {
+        const size_t size = strlen(head) + strlen(name) + 2;
+        SSFR_TRY(ssfr_alloc(&graph->keys[graph->n_keys], 1, size, "a key"));
+        snprintf(graph->keys[graph->n_keys], size, "%s.%s", head, name);
+    }
+    graph->n_keys++;
+end:
+    return result;
+}
+
+static ssfr_result add_keys(ssfr_graph *graph, int capacity)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_param *rows = NULL;
+    const char *group = NULL;
+    graph->n_keys = 0;
+    for (int i = 0; i < graph->n_nodes; i++)
+        for (const ssfr_param *row = graph->nodes[i].pass->params; row && row->name; row++)
+            SSFR_TRY(add_key(graph, capacity, graph->nodes[i].name, row->name));
+    for (int i = 0; (group = ssfr_group_at(i, &rows)); i++)
+        for (const ssfr_param *row = rows; row->name; row++) SSFR_TRY(add_key(graph, capacity, group, row->name));
+    for (int i = 0; i < graph->n_nodes; i++) SSFR_TRY(add_key(graph, capacity, graph->nodes[i].name, "off"));
+end:
+    return result;
+}
+
+static ssfr_result list_keys(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(add_keys(graph, 0)); /* counts */
+    SSFR_TRY(ssfr_alloc(&graph->keys, (size_t)graph->n_keys + 1, sizeof *graph->keys, "keys"));
+    SSFR_TRY(add_keys(graph, graph->n_keys));
+end:
+    return result;
+}
+
+const char *ssfr_graph_key_at(const ssfr_graph *graph, int i)
+{
+    return i >= 0 && i < graph->n_keys ? graph->keys[i] : NULL;
+}
+
+/* The target-th place that a key means: a node's parameter (of several nodes when it names their pass) or a group's. */
+static const ssfr_param *resolve(const ssfr_graph *graph, const char *key, int target, void **params)
+{
+    const char *dot = strrchr(key, '.');
+    const ssfr_param *found = NULL, *rows = NULL;
+    const size_t head = dot ? (size_t)(dot - key) : 0;
+    size_t offset = 0;
+    bool by_name = false;
+    if (!dot) return NULL;
+    for (int i = 0; i < graph->n_nodes; i++)
+        by_name |= strlen(graph->nodes[i].name) == head && memcmp(graph->nodes[i].name, key, head) == 0;
+    for (int i = 0; i < graph->n_nodes && !found; i++) {
+        const node *n = &graph->nodes[i];
+        const char *name = by_name ? n->name : n->pass->name;
+        if (strlen(name) != head || memcmp(name, key, head) != 0 || target-- > 0) continue;
+        const bool off = strcmp(dot + 1, off_row.name) == 0;
+        found = off ? &off_row : ssfr_param_find(n->pass->params, dot + 1);
+        *params = off ? (void *)n : n->params;
+    }
+    for (int i = 0; !found && target == 0; i++) {
+        const char *group = ssfr_world_group(i, &rows, &offset);
+        if (!group) break;
+        if (strlen(group) != head || memcmp(group, key, head) != 0) continue;
+        found = ssfr_param_find(rows, dot + 1);
+        *params = (char *)&graph->world + offset;
+    }
+    return found;
+}
+
+const ssfr_param *ssfr_graph_row(const ssfr_graph *graph, const char *key)
+{
+    void *params;
+    return resolve(graph, key, 0, &params);
+}
+
+static ssfr_result fail_key(const ssfr_graph *graph, const char *key)
+{
+    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: pipeline %s has no such parameter (ssfr pipelines %s lists them)", key,
+                     graph->pipeline->name, graph->pipeline->name);
+}
+
+ssfr_result ssfr_graph_set(ssfr_graph *graph, const char *key, const char *value)
+{
+    ssfr_result result = SSFR_OK;
+    void *params = NULL;
+    const ssfr_param *row = resolve(graph, key, 0, &params);
+    if (!row) return fail_key(graph, key);
+    for (int i = 0; row && result == SSFR_OK; row = resolve(graph, key, ++i, &params))
+        result = ssfr_param_set(row, params, key, value);
+    return result;
+}
+
+ssfr_result ssfr_graph_get(const ssfr_graph *graph, const char *key, char *text, size_t size)
+{
+    void *params = NULL;
+    const ssfr_param *row = resolve(graph, key, 0, &params);
+    if (!row) return fail_key(graph, key);
+    ssfr_param_format(row, params, text, size);
+    return SSFR_OK;
+}
+
+/* ---- creating and destroying ------------------------------------------------------------------------------------------ */
+
+ssfr_result ssfr_graph_create(ssfr_graph **out, const ssfr_pipeline *pipeline, ssfr_gl *gl)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_graph *graph = NULL;
+    *out = NULL;
+    SSFR_TRY(ssfr_alloc(&graph, 1, sizeof *graph, "a graph"));
+    graph->pipeline = pipeline;
+    graph->gl = gl;
+    ssfr_world_default(&graph->world);
+    for (int i = 0; i < SSFR_N_SLOTS; i++) graph->last[i] = -1;
+    for (const ssfr_node *def = pipeline->nodes; def->name; def++) SSFR_TRY(add_node(graph, def));
+    SSFR_TRY(list_keys(graph));
+    if (gl) SSFR_TRY(make_gl(graph));
+    else SSFR_TRY(make_neutrals(graph));
+    graph->resources[graph->last[pipeline->result]].asked = true;
+    graph->report.nodes = graph->reports;
+    *out = graph;
+    graph = NULL;
+end:
+    ssfr_graph_destroy(&graph);
+    return result;
+}
+
+ssfr_result ssfr_graph_create_for_pass(ssfr_graph **out, const ssfr_pass *pass, ssfr_gl *gl)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_pipeline *single = NULL;
+    *out = NULL;
+    SSFR_TRY(ssfr_alloc(&single, 1, sizeof *single, "a pipeline"));
+    *single = (ssfr_pipeline){.name = pass->name, .source = pass->source, .help = pass->help,
+                              .result = pass->outputs[0].slot, .nodes = {{.name = pass->name}}};
+    SSFR_TRY(ssfr_graph_create(out, single, gl));
+    (*out)->single = single;
+    single = NULL;
+end:
+    free(single);
+    return result;
+}
+
+static void destroy_gl(ssfr_graph *graph)
+{
+    unsigned *const buffers[] = {&graph->position, &graph->ids, &graph->offsets, &graph->tiles, &graph->block};
+    for (size_t i = 0; i < SSFR_COUNT(buffers); i++) ssfr_buffer_destroy(buffers[i]);
+    ssfr_timers_finish(&graph->timers);
+}
+
+static void destroy_images(ssfr_graph *graph)
+{
+    for (int i = 0; i < graph->n_resources; i++) {
+        ssfr_image_finish(&graph->resources[i].own);
+        ssfr_image_finish(&graph->resources[i].given);
+    }
+    for (int i = 0; i < graph->n_nodes; i++)
+        for (int k = 0; k < SSFR_MAX_SCRATCH; k++) ssfr_image_finish(&graph->nodes[i].scratch[k]);
+    for (int i = 0; i < SSFR_N_SLOTS; i++) ssfr_image_finish(&graph->neutral[i]);
+}
+
+void ssfr_graph_destroy(ssfr_graph **graph)
+{
+    ssfr_graph *g = *graph;
+    if (!g) return;
+    const bool current = g->gl && ssfr_gl_begin(g->gl) == SSFR_OK;
+    destroy_images(g);
+    if (current) {
+        destroy_gl(g);
+        const ssfr_result ended = ssfr_gl_end(g->gl, SSFR_OK);
+        (void)ended; /* logged; there is nobody to tell */
+    }
+    for (int i = 0; i < g->n_nodes; i++) free(g->nodes[i].params), free(g->nodes[i].coeffs);
+    for (int i = 0; i < g->n_keys && g->keys; i++) free(g->keys[i]);
+    free(g->keys);
+    ssfr_frame_finish(&g->frame);
+    free(g->single);
+    free(g);
+    *graph = NULL;
+}
+
+/* ---- what is given and what is wanted ------------------------------------------------------------------------------------ */
+
+static int port_resource(const node *n, const char *name)
+{
+    int found = -1;
+    for (int k = 0; k < n->n_in; k++)
+        if (strcmp(n->pass->inputs[k].name, name) == 0) found = n->in[k];
+    for (int k = 0; k < n->n_out; k++)
+        if (strcmp(n->pass->outputs[k].name, name) == 0) found = n->out[k];
+    return found;
+}
+
+static ssfr_result find_resource(const ssfr_graph *graph, const char *name, int *out)
+{
+    const ssfr_slot_id slot = ssfr_slot_find(name);
+    *out = slot ? graph->last[slot] : -1;
+    if (*out < 0 && graph->single) *out = port_resource(&graph->nodes[0], name);
+    if (*out < 0)
+        return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: pipeline %s has no such image", name, graph->pipeline->name);
+    return SSFR_OK;
+}
+
+ssfr_result ssfr_graph_want(ssfr_graph *graph, const char *slot)
+{
+    int index;
+    const ssfr_result result = find_resource(graph, slot, &index);
+    if (result == SSFR_OK) graph->resources[index].asked = true;
+    return result;
+}
+
+void ssfr_graph_want_all(ssfr_graph *graph, bool all)
+{
+    graph->want_all = all;
+}
+
+ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_field *field)
+{
+    ssfr_result result = SSFR_OK;
+    int index;
+    SSFR_TRY(find_resource(graph, slot, &index));
+    resource *r = &graph->resources[index];
+    if (field->c != ssfr_slots[r->slot].channels) {
+        result = ssfr_fail(SSFR_ERR_VALUE, "%s: %d channels given, it has %d", slot, field->c, ssfr_slots[r->slot].channels);
+        goto end;
+    }
+    if (graph->gl) {
+        SSFR_TRY(ssfr_gl_begin(graph->gl));
+        result = ssfr_image_ensure(graph, &r->given, field->w, field->h, field->c);
+        if (result == SSFR_OK) result = ssfr_texture_write(&r->given.texture, field);
+        result = ssfr_gl_end(graph->gl, result);
+    } else {
+        SSFR_TRY(ssfr_image_ensure(graph, &r->given, field->w, field->h, field->c));
+        memcpy(r->given.field->data, field->data, (size_t)field->w * (size_t)field->h * (size_t)field->c * sizeof(double));
+    }
+    if (result == SSFR_OK) r->is_given = true;
+end:
+    return result;
+}
+
+/* The host's texture as ssfr sees it; the context must be current. */
+static ssfr_result borrow(const ssfr_graph *graph, const char *what, unsigned name, int channels, ssfr_texture *out)
+{
+    int w = 0, h = 0;
+    if (!graph->gl) return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: a texture needs a graph that runs on the GPU", what);
+    if (!glIsTexture(name)) return ssfr_fail(SSFR_ERR_VALUE, "%s: %u is not a texture", what, name);
+    glGetTextureLevelParameteriv(name, 0, GL_TEXTURE_WIDTH, &w);
+    glGetTextureLevelParameteriv(name, 0, GL_TEXTURE_HEIGHT, &h);
+    if (w < 1 || h < 1) return ssfr_fail(SSFR_ERR_VALUE, "%s: texture %u has no storage", what, name);
+    *out = (ssfr_texture){.name = name, .w = w, .h = h, .c = channels, .borrowed = true};
+    return SSFR_OK;
+}
+
+ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsigned texture)
+{
+    ssfr_result result = SSFR_OK;
+    int index;
+    ssfr_texture host;
+    SSFR_TRY(find_resource(graph, slot, &index));
+    resource *r = &graph->resources[index];
+    SSFR_TRY(borrow(graph, slot, texture, ssfr_slots[r->slot].channels, &host));
+    ssfr_image_finish(&r->given);
+    r->given = (image){.w = host.w, .h = host.h, .c = host.c, .texture = host};
+    r->is_given = true;
+end:
+    return result;
+}
+
+ssfr_result ssfr_graph_export_texture(ssfr_graph *graph, unsigned texture)
+{
+    return borrow(graph, "export", texture, ssfr_slots[graph->pipeline->result].channels, &graph->exported);
+}
+
+ssfr_result ssfr_graph_import_buffer(ssfr_graph *graph, unsigned buffer, size_t n, size_t stride, size_t first,
+                                     const double origin[3], double radius)
+{
+    if (!graph->gl || !glIsBuffer(buffer))
+        return ssfr_fail(SSFR_ERR_VALUE, "particles: %u is not a buffer of a graph on the GPU", buffer);
+    if (stride < 3 || !(radius > 0 && isfinite(radius)) || n > INT32_MAX / 8)
+        return ssfr_fail(SSFR_ERR_VALUE, "particles: %zu of stride %zu floats and radius %g m", n, stride, radius);
+    graph->host = (host_buffer){.buffer = buffer, .n = n, .stride = stride, .first = first, .radius = radius};
+    memcpy(graph->host.origin, origin, sizeof graph->host.origin);
+    return SSFR_OK;
+}
+
+const char *ssfr_graph_slot_at(const ssfr_graph *graph, int i)
+{
+    const char *found = NULL;
+    for (int slot = 1; slot < SSFR_N_SLOTS && !found; slot++) {
+        const int last = graph->last[slot];
+        if (last >= 0 && graph->resources[last].writer >= 0 && i-- == 0) found = ssfr_slots[slot].name;
+    }
+    return found;
+}
+
+ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_field **out)
+{
+    ssfr_result result = SSFR_OK;
+    int index;
+    *out = NULL;
+    SSFR_TRY(find_resource(graph, slot, &index));
+    if (!graph->ran) return ssfr_fail(SSFR_ERR_VALUE, "%s: no frame has been run", slot);
+    const image *im = graph->resources[index].image;
+    if (!graph->gl) {
+        SSFR_TRY(ssfr_field_copy(out, im->field));
+    } else {
+        SSFR_TRY(ssfr_gl_begin(graph->gl));
+        result = ssfr_texture_read(&im->texture, out);
+        result = ssfr_gl_end(graph->gl, result);
+    }
+end:
+    return result;
+}
+
+const ssfr_report *ssfr_graph_report(const ssfr_graph *graph)
+{
+    return &graph->report;
+}
+
+double ssfr_graph_reach(const ssfr_graph *graph)
+{
+    double reach = 0;
+    for (int i = 0; i < graph->n_nodes; i++) {
+        const node *n = &graph->nodes[i];
+        if (n->pass->reach && !n->off) reach = fmax(reach, n->pass->reach(n->params));
+    }
+    return reach;
+}

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+/* pass.h: what a pass is, what a node and a pipeline are, and what a pass gets when it runs.
+ *
+ *      slot ---in---> [ node = pass + params ] ---out---> slot
+ *
+ * A pass is one algorithm, twice: cpu_run in double, the specification, and the shaders. It allocates nothing. */
+#ifndef SSFR_PASS_H
+#define SSFR_PASS_H
+
+#include "base/field.h"
+#include "base/param.h"
+#include "graph/frame.h"
+
+enum { SSFR_MAX_PORTS = 12, SSFR_MAX_OUTPUTS = 4, SSFR_MAX_SCRATCH = 2, SSFR_MAX_PROGRAMS = 4 };
+
+typedef enum ssfr_slot_id {
+    SSFR_NO_SLOT, /* a port that is not named in a node keeps its own slot */
+#define X(name, channels, exr, unit, neutral, help) SSFR_SLOT_##name,
+#include "graph/slots.def"
+#undef X
+    SSFR_N_SLOTS
+} ssfr_slot_id;
+
+typedef struct ssfr_slot {
+    const char *name;
+    int channels;
+    const char *exr, *unit;
+    double neutral;
+    const char *help;
+} ssfr_slot;
+
+extern const ssfr_slot ssfr_slots[SSFR_N_SLOTS];
+ssfr_slot_id ssfr_slot_find(const char *name); /* SSFR_NO_SLOT when there is none */
+
+/* A port carries images like those of `slot` (channels, neutral value), which is also its binding by default. */
+typedef struct ssfr_port {
+    const char *name; /* NULL ends a list; the sampler is t_<name> */
+    ssfr_slot_id slot;
+    const char *like; /* outputs: the input whose size it has; NULL for the frame's */
+    const char *from; /* outputs: the input that takes its place when the node is left out; NULL for the neutral value */
+} ssfr_port;
+
+/* A coefficient that the shaders see as a uniform: `n` doubles at `offset` of the coefficients become float, vec2.. or int. */
+typedef struct ssfr_uniform {
+    const char *name; /* NULL ends a list */
+    size_t offset;
+    int n;            /* 1 to 4 reals, or 0: one int */
+} ssfr_uniform;
+
+typedef struct ssfr_program_row {
+    const char *vert, *frag, *defines;
+} ssfr_program_row;
+
+/* One execution of one node: everything that both twins may know. */
+typedef struct ssfr_run {
+    const ssfr_frame *frame;
+    const void *params, *coeffs;
+    int divisor_in; /* resolution divisor of the first input, 1 without one */
+    int divisor;    /* of the outputs */
+    int w, h;       /* px, of the outputs */
+    /* the CPU twin */
+    const ssfr_field *in[SSFR_MAX_PORTS];
+    ssfr_field *out[SSFR_MAX_OUTPUTS];
+    ssfr_field *scratch[SSFR_MAX_SCRATCH];
+    /* the GPU twin; what these point to is in gl/ */
+    struct ssfr_draw *draw;
+} ssfr_run;
+
+typedef struct ssfr_tolerance { /* between the twins, per value: |gl - cpu| <= abs + rel |cpu| */
+    double abs, rel;
+    double outliers; /* share of values that may exceed it: silhouettes, where a float decides otherwise */
+} ssfr_tolerance;
+
+struct ssfr_pass {
+    const char *name, *source, *help;
+    ssfr_port inputs[SSFR_MAX_PORTS];
+    ssfr_port outputs[SSFR_MAX_OUTPUTS + 1];
+    const ssfr_param *params;
+    size_t params_size, coeffs_size;
+    int n_scratch;     /* images like output 0 that the graph lends */
+    bool whole_screen; /* writes every pixel; else only tiles with fluid, the rest is neutral */
+    bool uses_ids;     /* draws particles by id: the ids are uploaded */
+
+    /* Coefficients from parameters, once a frame, for both twins. */
+    void (*derive)(const ssfr_run *run, void *coeffs);
+    /* False when the node would change nothing; `needless` says when that is. NULL: always needed. */
+    bool (*needed)(const ssfr_run *run);
+    const char *needless;
+    /* By what its outputs' resolution divisor exceeds its input's. NULL: 1. */
+    int (*shrink)(const void *params);
+    /* How far splats reach from a particle, in particle radii. NULL: no splats. */
+    double (*reach)(const void *params);
+
+    void (*cpu_run)(const ssfr_run *run);
+
+    ssfr_program_row programs[SSFR_MAX_PROGRAMS + 1];
+    const ssfr_uniform *uniforms;
+    /* NULL: program 0, once over the outputs. */
+    ssfr_result (*gl_run)(const ssfr_run *run);
+
+    /* Fills taps, iterations, vertices and bytes of the report; the graph has put in one sweep that reads each input
+     * and writes each output once. NULL: that is right. */
+    void (*work)(const ssfr_run *run, ssfr_node_report *report);
+    ssfr_tolerance tolerance;
+};
+
+typedef struct ssfr_binding {
+    const char *port; /* NULL ends a list */
+    ssfr_slot_id slot;
+} ssfr_binding;
+
+typedef struct ssfr_node {
+    const char *name; /* NULL ends a list */
+    const char *pass; /* NULL: the pass of that name */
+    ssfr_binding ports[SSFR_MAX_PORTS]; /* only those that differ from the port's own slot */
+    const char *settings[8];            /* "param=value", NULL-terminated */
+} ssfr_node;
+
+struct ssfr_pipeline {
+    const char *name, *source, *help;
+    ssfr_slot_id result;
+    ssfr_node nodes[32];
+};
+
+#endif

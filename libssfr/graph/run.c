@@ -1,0 +1,335 @@
+/* SPDX-License-Identifier: MIT */
+/* run.c: one frame: facts, plan, images, then each node that is left in, on the CPU or the GPU. */
+#include "graph/internal.h"
+
+#include <epoxy/gl.h>
+
+/* ---- what the GPU needs once a frame -------------------------------------------------------------------------------- */
+
+static ssfr_result refill(ssfr_graph *graph, unsigned *buffer, size_t size, const void *data)
+{
+    ssfr_buffer_destroy(buffer);
+    graph->grew++;
+    return ssfr_buffer_create(graph->gl, buffer, size ? size : 4, size ? data : NULL, false);
+}
+
+/* Particles are uploaded once: until others come. */
+static ssfr_result upload_particles(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_particles *p = graph->frame.particles;
+    if (!p || p->serial == graph->serial) return SSFR_OK;
+    graph->serial = 0;
+    SSFR_TRY(refill(graph, &graph->position, p->n * 3 * sizeof(float), p->position));
+    graph->serial = p->serial;
+end:
+    return result;
+}
+
+static ssfr_result upload_ids(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_particles *p = graph->frame.particles;
+    if (!p || !p->id || p->serial == graph->id_serial) return SSFR_OK;
+    graph->id_serial = 0;
+    SSFR_TRY(refill(graph, &graph->ids, p->n * sizeof *p->id, p->id));
+    graph->id_serial = p->serial;
+end:
+    return result;
+}
+
+static ssfr_result grow(ssfr_graph *graph, unsigned *buffer, size_t *cap, size_t n, size_t entry)
+{
+    ssfr_result result = SSFR_OK;
+    if (*buffer && n <= *cap) return SSFR_OK;
+    ssfr_buffer_destroy(buffer);
+    *cap = 0;
+    SSFR_TRY(ssfr_buffer_create(graph->gl, buffer, (n ? n : 1) * entry, NULL, true));
+    *cap = n;
+    graph->grew++;
+end:
+    return result;
+}
+
+/* A block of doubles as the floats that shaders read, written in stretches. */
+static void write_floats(unsigned buffer, size_t n, size_t from_width, size_t to_width, const double *data)
+{
+    float stretch[1024];
+    const size_t entries = SSFR_COUNT(stretch) / to_width;
+    for (size_t start = 0; start < n; start += entries) {
+        const size_t count = n - start < entries ? n - start : entries;
+        for (size_t i = 0; i < count; i++)
+            for (size_t k = 0; k < to_width; k++)
+                stretch[i * to_width + k] = k < from_width ? (float)data[(start + i) * from_width + k] : 0;
+        glNamedBufferSubData(buffer, (GLintptr)(start * to_width * sizeof(float)),
+                             (GLsizeiptr)(count * to_width * sizeof(float)), stretch);
+    }
+}
+
+static ssfr_result upload_frame(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_frame *f = &graph->frame;
+    SSFR_TRY(upload_particles(graph));
+    SSFR_TRY(grow(graph, &graph->offsets, &graph->cap_offsets, f->n_packets, 4 * sizeof(float)));
+    SSFR_TRY(grow(graph, &graph->tiles, &graph->cap_tiles, (size_t)f->facts.tiles_x * (size_t)f->facts.tiles_y,
+                  sizeof *f->facts.tiles));
+    write_floats(graph->block, sizeof f->block / sizeof(double), 1, 1, (const double *)&f->block);
+    write_floats(graph->offsets, f->n_packets, 3, 4, (const double *)f->offset);
+    if (f->facts.n_tiles)
+        glNamedBufferSubData(graph->tiles, 0, (GLsizeiptr)((size_t)f->facts.n_tiles * sizeof *f->facts.tiles),
+                             f->facts.tiles);
+end:
+    return result;
+}
+
+/* ---- images ------------------------------------------------------------------------------------------------------------ */
+
+static bool is_export(const ssfr_graph *graph, int index)
+{
+    return graph->exported.name && index == graph->last[graph->pipeline->result] && graph->exported.w == graph->frame.w &&
+           graph->exported.h == graph->frame.h;
+}
+
+static ssfr_result ensure_output(ssfr_graph *graph, const node *n, int index)
+{
+    resource *r = &graph->resources[index];
+    const int c = ssfr_slots[r->slot].channels, w = (graph->frame.w + r->divisor - 1) / r->divisor;
+    const int h = (graph->frame.h + r->divisor - 1) / r->divisor;
+    (void)n;
+    if (!is_export(graph, index)) return ssfr_image_ensure(graph, &r->own, w, h, c);
+    if (r->own.texture.name != graph->exported.name) ssfr_image_finish(&r->own);
+    r->own = (image){.w = w, .h = h, .c = c, .texture = graph->exported};
+    return SSFR_OK;
+}
+
+static ssfr_result ensure_images(ssfr_graph *graph, node *n)
+{
+    ssfr_result result = SSFR_OK;
+    for (int k = 0; k < n->n_out; k++) SSFR_TRY(ensure_output(graph, n, n->out[k]));
+    for (int k = 0; k < n->pass->n_scratch; k++)
+        SSFR_TRY(ssfr_image_ensure(graph, &n->scratch[k], n->run.w, n->run.h,
+                                   ssfr_slots[graph->resources[n->out[0]].slot].channels));
+end:
+    return result;
+}
+
+/* ---- running a node ------------------------------------------------------------------------------------------------------ */
+
+static void run_on_cpu(ssfr_graph *graph, node *n)
+{
+    ssfr_run *run = &n->run;
+    for (int k = 0; k < n->n_in; k++) run->in[k] = graph->resources[n->in[k]].image->field;
+    for (int k = 0; k < n->n_out; k++) {
+        const resource *r = &graph->resources[n->out[k]];
+        run->out[k] = r->own.field;
+        if (!n->pass->whole_screen) ssfr_field_fill(run->out[k], ssfr_slots[r->slot].neutral);
+    }
+    for (int k = 0; k < n->pass->n_scratch; k++) {
+        run->scratch[k] = n->scratch[k].field;
+        if (!n->pass->whole_screen) ssfr_field_fill(run->scratch[k], ssfr_slots[graph->resources[n->out[0]].slot].neutral);
+    }
+    n->pass->cpu_run(run);
+}
+
+static void clear(const ssfr_texture *texture, double value)
+{
+    const float v = (float)value;
+    ssfr_texture_clear(texture, (const float[4]){v, v, v, v});
+}
+
+static void set_uniforms(const node *n, int program)
+{
+    const ssfr_uniform *u = n->pass->uniforms;
+    for (int k = 0; u && u[k].name; k++) {
+        const char *at = (const char *)n->coeffs + u[k].offset;
+        const int location = n->locations[program][k];
+        float v[4] = {0};
+        int whole = 0;
+        double reals[4] = {0};
+        memcpy(u[k].n ? (void *)reals : (void *)&whole, at, u[k].n ? (size_t)u[k].n * sizeof(double) : sizeof whole);
+        for (int i = 0; i < 4; i++) v[i] = (float)reals[i];
+        switch (u[k].n) {
+        case 0: glProgramUniform1i(n->programs[program], location, whole); break;
+        case 1: glProgramUniform1f(n->programs[program], location, v[0]); break;
+        case 2: glProgramUniform2fv(n->programs[program], location, 1, v); break;
+        case 3: glProgramUniform3fv(n->programs[program], location, 1, v); break;
+        default: glProgramUniform4fv(n->programs[program], location, 1, v); break;
+        }
+    }
+}
+
+static void bind_shared(const ssfr_graph *graph)
+{
+    glBindBufferBase(GL_UNIFORM_BUFFER, 0, graph->block);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_POSITION, graph->host.buffer ? graph->host.buffer : graph->position);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_OFFSET, graph->offsets);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_TILES, graph->tiles);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_ID, graph->ids ? graph->ids : graph->offsets);
+}
+
+static void fill_draw(ssfr_graph *graph, node *n)
+{
+    ssfr_draw *draw = &n->draw;
+    *draw = (ssfr_draw){.gl = graph->gl, .n_out = n->n_out, .programs = n->programs,
+                        .whole_screen = n->pass->whole_screen, .stride = 3};
+    if (graph->host.buffer) draw->stride = (int)graph->host.stride, draw->first = (int)graph->host.first;
+    for (int k = 0; k < n->n_in; k++) {
+        draw->in[k] = &graph->resources[n->in[k]].image->texture;
+        ssfr_draw_bind(k, draw->in[k]);
+    }
+    for (int k = 0; k < n->n_out; k++) {
+        const resource *r = &graph->resources[n->out[k]];
+        draw->out[k] = &r->own.texture;
+        if (!n->pass->whole_screen) clear(draw->out[k], ssfr_slots[r->slot].neutral);
+    }
+    for (int k = 0; k < n->pass->n_scratch; k++) {
+        draw->scratch[k] = &n->scratch[k].texture;
+        if (!n->pass->whole_screen) clear(draw->scratch[k], ssfr_slots[graph->resources[n->out[0]].slot].neutral);
+    }
+    n->run.draw = draw;
+}
+
+static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_gl_baseline(graph->gl);
+    ssfr_gl_push(graph->gl, n->pass->name);
+    bind_shared(graph);
+    if (n->pass->uses_ids) SSFR_TRY(upload_ids(graph));
+    fill_draw(graph, n);
+    for (int i = 0; n->pass->programs[i].vert; i++) set_uniforms(n, i);
+    if (n->pass->gl_run) SSFR_TRY(n->pass->gl_run(&n->run));
+    else SSFR_TRY(ssfr_draw_screen(&n->run, n->programs[0], n->n_out, n->draw.out));
+end:
+    ssfr_gl_pop(graph->gl);
+    return result;
+}
+
+static double covered_px(const ssfr_graph *graph, const node *n)
+{
+    const double px = (double)n->run.w * (double)n->run.h;
+    return n->pass->whole_screen ? px : px * graph->frame.facts.covered;
+}
+
+/* One sweep that reads each input and writes each output once; the pass knows better where that is wrong. */
+static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report *report)
+{
+    const double px = covered_px(graph, n);
+    report->iterations = 1;
+    report->taps = n->n_in;
+    for (int k = 0; k < n->n_in; k++) {
+        const resource *r = &graph->resources[n->in[k]];
+        report->bytes += 4.0 * ssfr_slots[r->slot].channels * px * ssfr_square((double)n->run.divisor / r->divisor);
+    }
+    for (int k = 0; k < n->n_out; k++) report->bytes += 4.0 * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
+    if (n->pass->work) n->pass->work(&n->run, report);
+}
+
+static ssfr_result run_node(ssfr_graph *graph, int i, bool timing)
+{
+    ssfr_result result = SSFR_OK;
+    node *n = &graph->nodes[i];
+    ssfr_node_report *report = &graph->reports[i];
+    const bool flush = timing && graph->gl && ssfr_gl_is_software(graph->gl);
+    SSFR_TRY(ensure_images(graph, n));
+    if (n->pass->derive) n->pass->derive(&n->run, n->coeffs);
+    if (graph->gl) {
+        if (timing) ssfr_timers_start(&graph->timers, i);
+        result = run_on_gpu(graph, n);
+        /* On a software rasteriser passes that are not flushed share one timestamp. */
+        if (flush) glFinish();
+        if (timing) ssfr_timers_stop(&graph->timers, i);
+    } else {
+        const double start = ssfr_clock();
+        run_on_cpu(graph, n);
+        report->ms = 1e3 * (ssfr_clock() - start);
+    }
+    count_work(graph, n, report);
+end:
+    return result;
+}
+
+/* ---- the frame -------------------------------------------------------------------------------------------------------- */
+
+static ssfr_result prepare(ssfr_graph *graph, const ssfr_scene *scene, bool keep_all)
+{
+    const host_buffer *h = &graph->host;
+    if (graph->host.buffer)
+        return ssfr_frame_prepare_host(&graph->frame, scene, &graph->world, h->n, h->origin, h->radius, &graph->grew);
+    return ssfr_frame_prepare(&graph->frame, scene, &graph->world, ssfr_graph_reach(graph), keep_all, &graph->grew);
+}
+
+/* The export when no node drew into it: the result is another image. */
+static ssfr_result copy_export(const ssfr_graph *graph)
+{
+    const ssfr_texture *from = &graph->resources[graph->last[graph->pipeline->result]].image->texture;
+    const ssfr_texture *to = &graph->exported;
+    if (!to->name || from->name == to->name) return SSFR_OK;
+    return ssfr_draw_copy(from, to);
+}
+
+static ssfr_result run_nodes(ssfr_graph *graph, bool timing)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < graph->n_nodes; i++)
+        if (graph->reports[i].status == SSFR_RAN) SSFR_TRY(run_node(graph, i, timing));
+end:
+    return result;
+}
+
+static ssfr_result run_frame_on_gpu(ssfr_graph *graph, bool timing)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_gl_begin(graph->gl));
+    result = upload_frame(graph);
+    if (result == SSFR_OK) result = run_nodes(graph, timing);
+    if (result == SSFR_OK) result = copy_export(graph);
+    glFinish();
+    for (int i = 0; i < graph->n_nodes && timing && result == SSFR_OK; i++)
+        if (graph->reports[i].status == SSFR_RAN) graph->reports[i].ms = ssfr_timers_ms(&graph->timers, i);
+    result = ssfr_gl_end(graph->gl, result);
+end:
+    return result;
+}
+
+static double image_bytes(const ssfr_graph *graph)
+{
+    const double value = graph->gl ? sizeof(float) : sizeof(double);
+    double bytes = 0;
+    for (int i = 0; i < graph->n_resources; i++) {
+        const image *im = &graph->resources[i].own;
+        bytes += value * im->w * im->h * (graph->gl && im->c == 3 ? 4 : im->c);
+    }
+    for (int i = 0; i < graph->n_nodes; i++)
+        for (int k = 0; k < SSFR_MAX_SCRATCH; k++) {
+            const image *im = &graph->nodes[i].scratch[k];
+            bytes += value * im->w * im->h * (graph->gl && im->c == 3 ? 4 : im->c);
+        }
+    return bytes;
+}
+
+ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene, const ssfr_run_options *options)
+{
+    static const ssfr_run_options plain = {0};
+    ssfr_result result = SSFR_OK;
+    const ssfr_run_options *o = options ? options : &plain;
+    const double start = ssfr_clock();
+    const long before = graph->gl ? ssfr_gl_allocations(graph->gl) : 0;
+    graph->ran = false;
+    graph->grew = 0;
+    SSFR_TRY(prepare(graph, scene, o->keep_all));
+    ssfr_plan(graph, o->keep_all);
+    graph->report.cpu_ms = 1e3 * (ssfr_clock() - start);
+    if (graph->gl) SSFR_TRY(run_frame_on_gpu(graph, o->timing));
+    else SSFR_TRY(run_nodes(graph, o->timing));
+    graph->ran = true;
+end:
+    graph->report.n_nodes = graph->n_nodes;
+    graph->report.wall_ms = 1e3 * (ssfr_clock() - start);
+    graph->report.allocations = graph->grew > 0 || !graph->gl ? graph->grew : ssfr_gl_allocations(graph->gl) - before;
+    graph->report.n_particles = (int)graph->frame.facts.n_particles;
+    graph->report.covered = graph->frame.facts.covered;
+    graph->report.image_bytes = image_bytes(graph);
+    return result;
+}

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/* curvature_flow.c: explicit Euler steps of z_t = -H, H the mean curvature of the depth image (Bagar 2010, eqs 2.8 to 2.16).
+ *
+ * With p = z_x / C_x, q = z_y / C_y the slopes per unit of tangent, r, s, t the second slopes z_xx / C_x^2, z_yy / C_y^2,
+ * z_xy / (C_x C_y) and S = p^2 + q^2 + z^2, the printed H = (C_y E_x + C_x E_y) / (2 D^(3/2)) is
+ *
+ *     H = (C_x (p (p r + q t + z p) - r S) + C_y (q (p t + q s + z q) - s S)) / (2 S^(3/2)),
+ *
+ * which has no factor as small as C^6 in it. On flat water that faces the eye, -H = (z_xx / C_x + z_yy / C_y) / (2 |z|). */
+#include "passes/curvature_flow.h"
+
+#include "graph/draw.h"
+
+typedef struct curvature_flow_params {
+    int iterations, limit, cross_term, off_axis;
+    double step, dt, depth_falloff;
+} curvature_flow_params;
+
+static const ssfr_param rows[] = {
+    SSFR_PARAM_INT(curvature_flow_params, iterations, "1", 40, 0, 100000, "Euler steps"),
+    SSFR_PARAM_REAL(curvature_flow_params, step, "1", 0.9, 1e-6, 100,
+                    "the step as a share of the stability bound |z| C_x C_y / (C_x + C_y) at the nearest fluid"),
+    SSFR_PARAM_REAL(curvature_flow_params, dt, "m^2", 0, 0, 1e12, "the step itself; 0: by the share above"),
+    SSFR_PARAM_FLAG(curvature_flow_params, limit, 1, "shorten the step where a pixel is nearer than its bound allows"),
+    SSFR_PARAM_REAL(curvature_flow_params, depth_falloff, "radii", 5, 0, 1e6,
+                    "a depth step beyond this is a silhouette: no smoothing across it; in particle radii"),
+    SSFR_PARAM_FLAG(curvature_flow_params, cross_term, 1, "z_xy by central differences; off: 0, as listing A.13 has it"),
+    SSFR_PARAM_FLAG(curvature_flow_params, off_axis, 0,
+                    "the curvature of the surface itself, exact off the view axis; off: eq. 2.10, where tilted planes drift"),
+    SSFR_PARAM_END,
+};
+
+static const ssfr_uniform uniforms[] = {
+    {"u_dt", offsetof(ssfr_curvature_flow_coeffs, dt), 1},
+    {"u_c", offsetof(ssfr_curvature_flow_coeffs, c), 2},
+    {"u_falloff", offsetof(ssfr_curvature_flow_coeffs, falloff), 1},
+    {"u_limit", offsetof(ssfr_curvature_flow_coeffs, limit), 1},
+    {"u_divisor", offsetof(ssfr_curvature_flow_coeffs, divisor), 1},
+    {NULL, 0, 0},
+};
+
+/* Off the axis a pixel covers less of the surface across the ray: the bound falls by (1 + u^2 + v^2)^(3/2). */
+static double corner_factor(const ssfr_block *b)
+{
+    const double u = 0.5 * b->image[0] * b->image[2], v = 0.5 * b->image[1] * b->image[3];
+    return pow(1 + u * u + v * v, 1.5);
+}
+
+static void derive(const ssfr_run *run, void *coeffs)
+{
+    const curvature_flow_params *p = run->params;
+    const ssfr_block *b = &run->frame->block;
+    ssfr_curvature_flow_coeffs *c = coeffs;
+    c->c[0] = b->image[2] * run->divisor, c->c[1] = b->image[3] * run->divisor;
+    const double bound = c->c[0] * c->c[1] / (c->c[0] + c->c[1]); /* of dt, at |z| = 1 */
+    c->dt = p->dt;
+    if (p->dt == 0) c->dt = p->step * bound * run->frame->facts.nearest / (p->off_axis ? corner_factor(b) : 1);
+    c->limit = p->limit ? SSFR_CURVATURE_FLOW_SAFE * bound : SSFR_EMPTY;
+    c->falloff = p->depth_falloff * run->frame->radius;
+    c->divisor = run->divisor;
+    c->iterations = p->iterations;
+    c->cross_term = p->cross_term;
+    c->off_axis = p->off_axis;
+}
+
+static bool needed(const ssfr_run *run)
+{
+    return ((const curvature_flow_params *)run->params)->iterations > 0 && run->frame->facts.n_particles > 0;
+}
+
+/* Steps go to and fro between the output and a scratch image, so that the last ends in the output. */
+static ssfr_result gl_run(const ssfr_run *run)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    const ssfr_draw *draw = run->draw;
+    const unsigned program = draw->programs[c->cross_term + 2 * c->off_axis];
+    if (c->iterations == 0) return ssfr_draw_copy(draw->in[0], draw->out[0]);
+    for (int i = 0; i < c->iterations; i++) {
+        const bool to_output = (c->iterations - i) % 2 == 1;
+        const ssfr_texture *target = to_output ? draw->out[0] : draw->scratch[0];
+        if (i) ssfr_draw_bind(0, to_output ? draw->scratch[0] : draw->out[0]);
+        SSFR_TRY(ssfr_draw_screen(run, program, 1, &target));
+    }
+end:
+    return result;
+}
+
+static void work(const ssfr_run *run, ssfr_node_report *report)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    report->iterations = c->iterations;
+    report->taps = (c->cross_term ? 9.0 : 5.0) * c->iterations;
+    report->bytes *= fmax(c->iterations, 1);
+}
+
+const ssfr_pass ssfr_curvature_flow = {
+    .name = "curvature_flow",
+    .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (eqs 2.8 to 2.16, errata B1 to B4, B21) and listing A.13",
+    .help = "smooths the depth by mean curvature: explicit Euler steps, a fixed number of them",
+    .inputs = {{"depth", SSFR_SLOT_low_depth}},
+    .outputs = {{"smooth", SSFR_SLOT_smooth_depth, .like = "depth", .from = "depth"}},
+    .params = rows,
+    .params_size = sizeof(curvature_flow_params),
+    .coeffs_size = sizeof(ssfr_curvature_flow_coeffs),
+    .n_scratch = 1,
+    .derive = derive,
+    .needed = needed,
+    .needless = "no iterations, or no particle in view",
+    .cpu_run = ssfr_curvature_flow_cpu,
+    .programs = {{"tiles.vert", "curvature_flow.frag", NULL},
+                 {"tiles.vert", "curvature_flow.frag", "#define CROSS_TERM\n"},
+                 {"tiles.vert", "curvature_flow.frag", "#define OFF_AXIS\n"},
+                 {"tiles.vert", "curvature_flow.frag", "#define CROSS_TERM\n#define OFF_AXIS\n"}},
+    .uniforms = uniforms,
+    .gl_run = gl_run,
+    .work = work,
+    .tolerance = {.abs = 2e-5, .rel = 5e-6, .outliers = 0.002},
+};

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+/* curvature_flow_cpu.c: Euler steps of the curvature flow, in double; the formula stands in curvature_flow.c. */
+#include "passes/curvature_flow.h"
+
+typedef struct slopes { /* per unit of tangent: z_x / C_x and so on; v grows downwards like rows */
+    double z, p, q, r, s, t;
+} slopes;
+
+static double difference(const ssfr_field *f, double z, int x, int y, double falloff, bool *cut)
+{
+    const double d = *ssfr_field_fetch(f, x, y) - z;
+    *cut |= !(fabs(d) <= falloff);
+    return d;
+}
+
+/* At a silhouette all derivatives along that axis are zero, so nothing is smoothed across it. */
+static slopes measure(const ssfr_field *f, int x, int y, const ssfr_curvature_flow_coeffs *c)
+{
+    slopes k = {.z = *ssfr_field_at(f, x, y)};
+    bool cut_x = false, cut_y = false, cut_xy = false;
+    const double left = difference(f, k.z, x - 1, y, c->falloff, &cut_x);
+    const double right = difference(f, k.z, x + 1, y, c->falloff, &cut_x);
+    const double above = difference(f, k.z, x, y - 1, c->falloff, &cut_y);
+    const double below = difference(f, k.z, x, y + 1, c->falloff, &cut_y);
+    if (!cut_x) k.p = (right - left) / (2 * c->c[0]), k.r = (left + right) / (c->c[0] * c->c[0]);
+    if (!cut_y) k.q = (below - above) / (2 * c->c[1]), k.s = (above + below) / (c->c[1] * c->c[1]);
+    if (c->cross_term && !cut_x && !cut_y) {
+        const double mm = difference(f, k.z, x - 1, y - 1, c->falloff, &cut_xy);
+        const double pm = difference(f, k.z, x + 1, y - 1, c->falloff, &cut_xy);
+        const double mp = difference(f, k.z, x - 1, y + 1, c->falloff, &cut_xy);
+        const double pp = difference(f, k.z, x + 1, y + 1, c->falloff, &cut_xy);
+        if (!cut_xy) k.t = (pp - pm - mp + mm) / (4 * c->c[0] * c->c[1]);
+    }
+    return k;
+}
+
+/* -H of eqs 2.11 to 2.16. */
+static double printed_rate(const slopes *k, const double c[2])
+{
+    const double z = k->z, p = k->p, q = k->q, r = k->r, s = k->s, t = k->t, S = p * p + q * q + z * z;
+    const double x = p * (p * r + q * t + z * p) - r * S, y = q * (p * t + q * s + z * q) - s * S;
+    return -(c[0] * x + c[1] * y) / (2 * S * sqrt(S));
+}
+
+/* The mean curvature (E N - 2 F M + G L) / (2 (E G - F^2)) of the surface P = (-z u, -z v, z), times C |z|, which makes it equal
+ * to the printed rate on the axis. With w = z + u p + v q and l = |(p, q, w)|: L = -(r z - 2 p^2) / l, M = -(t z - 2 p q) / l,
+ * N = -(s z - 2 q^2) / l, E G - F^2 = z^2 l^2. */
+static double exact_rate(const slopes *k, const double c[2], double u, double v)
+{
+    const double z = k->z, p = k->p, q = k->q, w = z + u * p + v * q, l2 = p * p + q * q + w * w;
+    const double E = (p * u + z) * (p * u + z) + p * p * (v * v + 1);
+    const double F = (p * u + z) * q * u + p * v * (q * v + z) + p * q;
+    const double G = (q * v + z) * (q * v + z) + q * q * (u * u + 1);
+    const double L = k->r * z - 2 * p * p, M = k->t * z - 2 * p * q, N = k->s * z - 2 * q * q;
+    const double twice = -(E * N - 2 * F * M + G * L) / (z * z * l2 * sqrt(l2));
+    return sqrt(c[0] * c[1]) * fabs(z) * twice / 2;
+}
+
+static double step(const ssfr_run *run, const ssfr_field *from, int x, int y)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    const double *image = run->frame->block.image;
+    const double u = ((x + 0.5) * c->divisor - 0.5 * image[0]) * image[2];
+    const double v = ((y + 0.5) * c->divisor - 0.5 * image[1]) * image[3];
+    const slopes k = measure(from, x, y, c);
+    const double away = 1 + u * u + v * v, factor = c->off_axis ? away * sqrt(away) : 1;
+    const double dt = fmin(c->dt, c->limit * fabs(k.z) / factor);
+    return k.z + dt * (c->off_axis ? exact_rate(&k, c->c, u, v) : printed_rate(&k, c->c));
+}
+
+static void sweep(const ssfr_run *run, const ssfr_field *from, ssfr_field *to)
+{
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < run->h; y++)
+        for (int x = 0; x < run->w; x++) {
+            const double z = *ssfr_field_at(from, x, y);
+            *ssfr_field_at(to, x, y) = ssfr_is_surface(z) ? step(run, from, x, y) : z;
+        }
+}
+
+void ssfr_curvature_flow_cpu(const ssfr_run *run)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    const ssfr_field *from = run->in[0];
+    for (int i = 0; i < c->iterations; i++) {
+        ssfr_field *to = (c->iterations - i) % 2 == 1 ? run->out[0] : run->scratch[0];
+        sweep(run, from, to);
+        from = to;
+    }
+    if (c->iterations == 0)
+        memcpy(run->out[0]->data, from->data, (size_t)from->w * (size_t)from->h * sizeof *from->data);
+}

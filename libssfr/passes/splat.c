@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/* splat.c: parameters that all splatting passes share, and their work. */
+#include "passes/splat.h"
+
+#include "graph/draw.h"
+
+const char *const ssfr_splat_forms[] = {"point", "quad", "exact", NULL};
+const char *const ssfr_splat_sizes[] = {"depth", "distance", NULL};
+
+void ssfr_splat_derive(const ssfr_run *run, void *coeffs)
+{
+    ssfr_splat *splat = coeffs;
+    const ssfr_splat_params *p = run->params;
+    splat->radius = run->frame->radius * p->radius_scale;
+    splat->max_point_px = p->max_point_px;
+    splat->form = p->form;
+    splat->by_distance = p->size == SSFR_SIZE_DISTANCE;
+}
+
+double ssfr_splat_reach(const void *params)
+{
+    return ((const ssfr_splat_params *)params)->radius_scale;
+}
+
+bool ssfr_splat_needed(const ssfr_run *run)
+{
+    return run->frame->facts.n_particles > 0;
+}
+
+void ssfr_splat_work(const ssfr_run *run, ssfr_node_report *report)
+{
+    const ssfr_splat_params *p = run->params;
+    const double n = (double)run->frame->facts.n_particles;
+    report->vertices = p->form == SSFR_SPLAT_POINT ? n : 6 * n;
+    report->bytes += n * 3 * sizeof(float);
+}
+
+static ssfr_result splat_gl(const ssfr_run *run, ssfr_splat_blend blend)
+{
+    const ssfr_splat *splat = run->coeffs;
+    const ssfr_splat_primitive primitive = splat->form == SSFR_SPLAT_POINT ? SSFR_POINTS : SSFR_QUADS;
+    return ssfr_draw_splats(run, run->draw->programs[splat->form], primitive, blend);
+}
+
+ssfr_result ssfr_splat_gl_nearest(const ssfr_run *run)
+{
+    return splat_gl(run, SSFR_BLEND_NEAREST);
+}
+
+ssfr_result ssfr_splat_gl_add(const ssfr_run *run)
+{
+    return splat_gl(run, SSFR_BLEND_ADD);
+}

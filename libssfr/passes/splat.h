@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+/* splat.h: how a particle becomes pixels, shared by all passes that draw particles. The twin of shaders/splat.glsl.
+ *
+ * point, quad  the particle's orthographic disc, scaled by its distance: a sphere's outline and depth to first order. Points
+ *              are what GPUs draw fastest, and are limited: their size is capped, and a point whose centre leaves the
+ *              image vanishes whole. Quads have neither limit.
+ * exact        the sphere's perspective outline, and its depth along the pixel's own ray. */
+#ifndef SSFR_SPLAT_H
+#define SSFR_SPLAT_H
+
+#include "graph/pass.h"
+
+enum { SSFR_SPLAT_POINT, SSFR_SPLAT_QUAD, SSFR_SPLAT_EXACT };
+enum { SSFR_SIZE_DEPTH, SSFR_SIZE_DISTANCE };
+
+typedef struct ssfr_splat_params { /* the first member of the params of a pass that splats */
+    int form, size;
+    double radius_scale, max_point_px;
+} ssfr_splat_params;
+
+typedef struct ssfr_splat { /* the first member of its coefficients */
+    double radius;       /* m */
+    double max_point_px;
+    int form, by_distance;
+} ssfr_splat;
+
+extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
+
+#define SSFR_SPLAT_ROW(name, member, type, unit, def, min, max, words, help) \
+    {name, type, unit, help, offsetof(ssfr_splat_params, member), def, min, max, words}
+#define SSFR_SPLAT_ROWS                                                                                                   \
+    SSFR_SPLAT_ROW("splat", form, SSFR_CHOICE, "1", SSFR_SPLAT_QUAD, 0, 0, ssfr_splat_forms,                              \
+                   "point sprite, quad, or the sphere's exact perspective outline and depth"),                           \
+    SSFR_SPLAT_ROW("size", size, SSFR_CHOICE, "1", SSFR_SIZE_DEPTH, 0, 0, ssfr_splat_sizes,                               \
+                   "what shrinks points and quads: depth along the view axis, or distance (Bagar's listing A.8)"),       \
+    SSFR_SPLAT_ROW("radius_scale", radius_scale, SSFR_REAL, "1", 1, 0.01, 100, NULL, "splat radius in particle radii"), \
+    SSFR_SPLAT_ROW("max_point_px", max_point_px, SSFR_REAL, "px", 255, 1, 2048, NULL, "largest point sprite")
+
+#define SSFR_SPLAT_UNIFORMS                                          \
+    {"u_radius", offsetof(ssfr_splat, radius), 1},                   \
+    {"u_max_point_px", offsetof(ssfr_splat, max_point_px), 1},       \
+    {"u_by_distance", offsetof(ssfr_splat, by_distance), 0}
+
+/* The three programs of a pass that splats: its fragment shader under each form. */
+#define SSFR_SPLAT_PROGRAMS(frag)                                                                    \
+    {                                                                                                \
+        {"splat.vert", frag, "#define POINT\n"}, {"splat.vert", frag, "#define QUAD\n"},             \
+            {"splat.vert", frag, "#define EXACT\n"},                                                 \
+    }
+
+void ssfr_splat_derive(const ssfr_run *run, void *coeffs);
+double ssfr_splat_reach(const void *params);
+bool ssfr_splat_needed(const ssfr_run *run);
+#define SSFR_SPLAT_NEEDLESS "no particle in view"
+void ssfr_splat_work(const ssfr_run *run, ssfr_node_report *report);
+
+/* gl_run of passes that keep the nearest fragment, and of those that add all up. */
+ssfr_result ssfr_splat_gl_nearest(const ssfr_run *run);
+ssfr_result ssfr_splat_gl_add(const ssfr_run *run);
+
+typedef struct ssfr_fragment { /* where a pixel's ray meets a particle's sphere */
+    size_t particle;
+    int x, y;
+    double a, b;   /* place on the sprite, right and down, in radii */
+    double r2;     /* a^2 + b^2, <= 1 */
+    double front;  /* m, eye-space z of the nearest point, not behind the near plane */
+    double back;   /* m, of the farthest */
+    double chord;  /* m, length of the ray inside the sphere */
+} ssfr_fragment;
+
+/* Calls shade for every pixel of every particle in view, in the particles' order at each pixel. */
+typedef void ssfr_splat_shade(const ssfr_run *run, const ssfr_fragment *fragment, double *pixel);
+void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade);
+
+#endif

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// particles.glsl: where particles stand in eye space. Positions are relative to their packet, whose eye-space centre
+// was formed in double.
+
+layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
+layout(std430, binding = 1) readonly buffer Offsets { vec4 offsets[]; }; // a packet each
+layout(std430, binding = 3) readonly buffer Ids { uint ids[]; };
+
+uniform ivec2 u_layout; // floats from one position to the next, and before the first
+
+const int PACKET = 256;
+
+vec3 eye_position(int i)
+{
+    int at = u_layout.y + u_layout.x * i;
+    vec3 p = vec3(positions[at], positions[at + 1], positions[at + 2]);
+    vec3 turned = vec3(dot(frame.right.xyz, p), dot(frame.up.xyz, p), dot(frame.back.xyz, p));
+    return offsets[i / PACKET].xyz + turned;
+}

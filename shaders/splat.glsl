@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// splat.glsl: where this pixel's ray meets the particle's sphere. The twin is libssfr/passes/splat_cpu.c.
+
+uniform float u_radius; // m
+
+flat in vec3 v_centre;
+flat in vec4 v_disc;
+flat in float v_half;
+flat in uint v_particle;
+
+struct Fragment {
+    vec2 at;     // place on the sprite, right and down, in radii
+    float r2;    // |at|^2
+    float front; // m, eye-space z
+    float back;
+    float chord; // m
+};
+
+// Discards where there is none.
+Fragment meet_sphere()
+{
+    Fragment f;
+#ifdef EXACT
+    // The point of the ray nearest to the centre: the quadratic formula's discriminant cancels for far spheres.
+    vec3 d = vec3(slope_at(gl_FragCoord.xy), -1.0);
+    float dd = dot(d, d), t = dot(d, v_centre) / dd;
+    vec3 p = t * d - v_centre;
+    float r = length(p);
+    if (r > u_radius) discard;
+    float rise = sqrt((u_radius - r) * (u_radius + r) / dd);
+    f.at = vec2(p.x, -p.y) / u_radius;
+    f.r2 = r / u_radius * (r / u_radius);
+    f.front = -(t - rise);
+    f.back = -(t + rise);
+    f.chord = 2.0 * rise * sqrt(dd);
+#else
+    vec2 away = gl_FragCoord.xy - v_disc.xy;
+    f.at = away / v_disc.zw;
+    f.r2 = dot(f.at, f.at);
+    if (f.r2 > 1.0 || max(abs(away.x), abs(away.y)) > v_half) discard;
+    float rise = u_radius * sqrt(1.0 - f.r2);
+    f.front = v_centre.z + rise;
+    f.back = v_centre.z - rise;
+    f.chord = 2.0 * rise;
+#endif
+    float near = frame.horizon.w;
+    if (f.back > -near) discard;
+    f.front = min(f.front, -near); // the eye is inside the sphere
+    return f;
+}
