@@ -11,7 +11,7 @@ layout(std140, binding = 0) uniform Frame { // ssfr_block of graph/frame.h, vec4
     vec4 fluid;      // rgb; w: ambient
     vec4 zenith;     // rgb; w: number of solids
     vec4 horizon;    // rgb; w: near
-    vec4 ground;     // tile m, light, dark, far
+    vec4 ground;     // tile m, light, dark, haze m
     vec4 solid[80];  // five a solid
 } frame;
 

@@ -50,7 +50,7 @@ vec3 trace(vec3 origin, vec3 dir, out float t)
     if (frame.right.w > -SURFACE && dir.y != 0.0 && floor_t > 0.0) {
         t = floor_t;
         float footprint = t * frame.image.w * dot(dir, dir) / max(abs(dir.y), 1e-6);
-        color = floor_color(origin + t * dir, footprint);
+        color = mix(color, floor_color(origin + t * dir, footprint), exp(-t * length(dir) / frame.ground.w));
     }
     for (int i = 0; i < int(frame.zenith.w); i++) {
         float hit = enter_solid(i, origin, dir, normal);

@@ -36,6 +36,7 @@ static const ssfr_param floor_rows[] = {
     SSFR_PARAM_REAL(ssfr_floor, tile, "m", 0.4, 1e-6, 1e6, "side of a tile of the chequered floor"),
     SSFR_PARAM_REAL(ssfr_floor, light, "1", 0.62, 0, 1, "reflectance of the light tiles"),
     SSFR_PARAM_REAL(ssfr_floor, dark, "1", 0.34, 0, 1, "reflectance of the dark tiles"),
+    SSFR_PARAM_REAL(ssfr_floor, haze, "m", 40, 1e-6, 1e9, "distance over which the floor fades into the horizon"),
     SSFR_PARAM_END,
 };
 
@@ -110,7 +111,7 @@ static void fill_block(ssfr_block *block, const ssfr_scene *scene, const ssfr_wo
     set4(block->fluid, m->color_r, m->color_g, m->color_b, world->light.ambient);
     set4(block->zenith, sky->zenith_r, sky->zenith_g, sky->zenith_b, scene->n_solids);
     set4(block->horizon, sky->horizon_r, sky->horizon_g, sky->horizon_b, camera->near);
-    set4(block->floor, tile, world->floor.light, world->floor.dark, camera->far);
+    set4(block->floor, tile, world->floor.light, world->floor.dark, world->floor.haze);
     fill_solids(block, scene);
 }
 

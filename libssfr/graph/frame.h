@@ -34,6 +34,7 @@ typedef struct ssfr_sky {
 typedef struct ssfr_floor {
     double tile;                /* m, side of a chequered tile */
     double light, dark;         /* linear reflectance of the two kinds of tile */
+    double haze;                /* m */
 } ssfr_floor;
 
 typedef struct ssfr_world {
@@ -54,7 +55,7 @@ typedef struct ssfr_block {
     double fluid[4];       /* rgb: colour of infinitely thick fluid; w: ambient */
     double zenith[4];      /* rgb; w: number of solids */
     double horizon[4];     /* rgb; w: near distance, m */
-    double floor[4];       /* tile m, light, dark, far distance m */
+    double floor[4];       /* tile m, light, dark, haze m */
     double solid[SSFR_MAX_SOLIDS][5][4]; /* centre - eye; three axes with the half extent in w; colour */
 } ssfr_block;
 

@@ -65,13 +65,19 @@ static const image *source(const ssfr_graph *graph, int index)
     return &graph->neutral[r->slot];
 }
 
+/* A given image may be of low resolution. */
+static int given_divisor(const ssfr_graph *graph, const resource *r)
+{
+    return r->is_given && r->given.w < graph->frame.w ? (graph->frame.w + r->given.w - 1) / r->given.w : 1;
+}
+
 void ssfr_plan(ssfr_graph *graph, bool keep_all)
 {
     for (int i = 0; i < graph->n_resources; i++) {
         resource *r = &graph->resources[i];
         r->wanted = r->asked || graph->want_all;
         r->from = -1;
-        r->divisor = 1;
+        r->divisor = given_divisor(graph, r);
     }
     for (int i = 0; i < graph->n_nodes; i++) set_divisors(graph, &graph->nodes[i]);
     for (int i = graph->n_nodes - 1; i >= 0; i--) {

@@ -56,7 +56,7 @@ static ssfr_result fail_exr(const char *path, exr_result_t code)
         }                                          \
     } while (0)
 
-/* ---- lists of channel names -------------------------------------------------------------------------------------- */
+/* ---- lists of channel names ------------------------------------------------------------------------------------- */
 
 typedef struct names {
     char *text; /* the list, its commas replaced by ends */
@@ -104,7 +104,7 @@ static ssfr_result check_distinct(const char *path, const char *const *at, int n
     return SSFR_OK;
 }
 
-/* ---- writing ------------------------------------------------------------------------------------------------------- */
+/* ---- writing ---------------------------------------------------------------------------------------------------- */
 
 /* What a file is made of: one name, field and channel within it for each EXR channel. */
 typedef struct sheet {
@@ -205,7 +205,8 @@ static ssfr_result write_header(const sheet *s, exr_context_t context)
     EXR_TRY(s->path, exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part));
     EXR_TRY(s->path, exr_initialize_required_attr_simple(context, part, s->w, s->h, EXR_COMPRESSION_ZIP));
     for (int i = 0; i < s->n; i++)
-        EXR_TRY(s->path, exr_add_channel(context, part, s->name[i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
+        EXR_TRY(s->path,
+                exr_add_channel(context, part, s->name[i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
     for (int i = 0; i < s->n_attributes; i++) SSFR_TRY(write_attribute(s, context, &s->attributes[i]));
     EXR_TRY(s->path, exr_write_header(context));
 end:
@@ -282,7 +283,7 @@ end:
     return ssfr_aside_end(&aside, result);
 }
 
-/* ---- reading ------------------------------------------------------------------------------------------------------- */
+/* ---- reading ---------------------------------------------------------------------------------------------------- */
 
 typedef struct source {
     const char *path;
@@ -447,7 +448,8 @@ static void copy_chunk(const exr_decode_pipeline_t *decoder, const names *wanted
         const exr_coding_channel_info_t *channel = decoder->channels;
         while (strcmp(channel->channel_name, wanted->at[k]) != 0) channel++;
         for (int i = 0; i < w * h; i++)
-            ssfr_field_at(out, x + i % w, y + i / w)[k] = value_at(channel->decode_to_ptr, (size_t)i, channel->data_type);
+            ssfr_field_at(out, x + i % w, y + i / w)[k] =
+                value_at(channel->decode_to_ptr, (size_t)i, channel->data_type);
     }
 }
 

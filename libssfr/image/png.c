@@ -30,7 +30,7 @@ static void on_warning(png_structp png, png_const_charp text)
     (void)png, (void)text;
 }
 
-/* ---- writing ------------------------------------------------------------------------------------------------- */
+/* ---- writing ---------------------------------------------------------------------------------------------------- */
 
 static void write_bytes(png_structp png, png_bytep data, size_t size)
 {
@@ -114,7 +114,7 @@ end:
     return result;
 }
 
-/* ---- reading ------------------------------------------------------------------------------------------------- */
+/* ---- reading ---------------------------------------------------------------------------------------------------- */
 
 static void read_bytes(png_structp png, png_bytep out, size_t size)
 {

@@ -55,7 +55,9 @@ double ssfr_environment_trace(const ssfr_block *b, const double origin[3], const
     if (b->right[3] > -SSFR_SURFACE && dir[1] != 0 && floor_t > 0) {
         t = floor_t;
         const double footprint = t * b->image[3] * ssfr_dot(dir, dir) / fmax(fabs(dir[1]), 1e-6);
-        color[0] = color[1] = color[2] = floor_shade(b, origin[0] + t * dir[0], origin[2] + t * dir[2], footprint);
+        const double shade = floor_shade(b, origin[0] + t * dir[0], origin[2] + t * dir[2], footprint);
+        const double clear = exp(-t * sqrt(ssfr_dot(dir, dir)) / b->floor[3]);
+        for (int k = 0; k < 3; k++) color[k] = ssfr_mix(color[k], shade, clear);
     }
     for (int i = 0; i < (int)b->zenith[3]; i++) {
         const double hit = enter_solid(b->solid[i], origin, dir, normal);

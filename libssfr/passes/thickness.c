@@ -34,7 +34,8 @@ static void derive(const ssfr_run *run, void *coeffs)
     const thickness_params *p = run->params;
     ssfr_thickness_coeffs *c = coeffs;
     ssfr_splat_derive(run, &c->splat);
-    c->scale = p->scale;
+    /* A wider splat spreads the volume of the particle: its own sphere has it at radius_scale 1. */
+    c->scale = p->scale / (p->splat.radius_scale * p->splat.radius_scale * p->splat.radius_scale);
     c->exponential = p->kernel == 1;
     c->clipped = p->occlusion == 1;
 }

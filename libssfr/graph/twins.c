@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+/* twins.c: both twins of a pass on the same input. */
+#include "graph/twins.h"
+
+#include "graph/internal.h"
+
+/* ---- the inputs that a pipeline makes ----------------------------------------------------------------------------- */
+
+static const node *find_node(const ssfr_graph *graph, const ssfr_pass *pass)
+{
+    const node *found = NULL;
+    for (int i = 0; i < graph->n_nodes && !found; i++)
+        if (graph->nodes[i].pass == pass) found = &graph->nodes[i];
+    return found;
+}
+
+static bool has_pass(const ssfr_pipeline *pipeline, const ssfr_pass *pass)
+{
+    bool has = false;
+    for (const ssfr_node *n = pipeline->nodes; n->name; n++) has |= strcmp(n->pass ? n->pass : n->name, pass->name) == 0;
+    return has;
+}
+
+static ssfr_result make_inputs(const ssfr_pass *pass, const ssfr_scene *scene, ssfr_graph **out, const node **at)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_pipeline *pipeline = NULL;
+    for (int i = 0; ssfr_pipeline_at(i) && !pipeline; i++)
+        if (has_pass(ssfr_pipeline_at(i), pass)) pipeline = ssfr_pipeline_at(i);
+    *out = NULL;
+    if (!pipeline) return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no pipeline has this pass", pass->name);
+    SSFR_TRY(ssfr_graph_create(out, pipeline, NULL));
+    *at = find_node(*out, pass);
+    for (int i = 0; i < (*out)->n_resources; i++) (*out)->resources[i].asked = false;
+    for (int k = 0; k < (*at)->n_in; k++) (*out)->resources[(*at)->in[k]].asked = true;
+    SSFR_TRY(ssfr_graph_run(*out, scene, NULL));
+end:
+    return result;
+}
+
+/* ---- one twin by itself ---------------------------------------------------------------------------------------------- */
+
+static ssfr_result import_rounded(ssfr_graph *single, const char *port, const ssfr_field *field)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_field *rounded = NULL;
+    SSFR_TRY(ssfr_field_copy(&rounded, field));
+    ssfr_field_round(rounded);
+    SSFR_TRY(ssfr_graph_import(single, port, rounded));
+end:
+    ssfr_field_destroy(&rounded);
+    return result;
+}
+
+static ssfr_result apply(ssfr_graph *single, const char *const *settings)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; settings && settings[i] && result == SSFR_OK; i++) {
+        char key[128];
+        const size_t length = strcspn(settings[i], "=");
+        snprintf(key, sizeof key, "%s.%.*s", single->nodes[0].name, (int)length, settings[i]);
+        result = ssfr_graph_set(single, key, settings[i] + length + (settings[i][length] == '='));
+    }
+    return result;
+}
+
+/* Runs the pass alone, whatever its `needed` says, and gives its outputs. */
+static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene *scene, const ssfr_graph *source,
+                            const node *at, const char *const *settings, ssfr_field **outputs)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_graph *single = NULL;
+    SSFR_TRY(ssfr_graph_create_for_pass(&single, pass, gl));
+    SSFR_TRY(apply(single, settings));
+    for (int k = 0; k < at->n_in; k++)
+        SSFR_TRY(import_rounded(single, pass->inputs[k].name, source->resources[at->in[k]].image->field));
+    ssfr_graph_want_all(single, true);
+    SSFR_TRY(ssfr_graph_run(single, scene, &(ssfr_run_options){.keep_all = true}));
+    for (int k = 0; k < at->n_out; k++) SSFR_TRY(ssfr_graph_read(single, pass->outputs[k].name, &outputs[k]));
+end:
+    ssfr_graph_destroy(&single);
+    return result;
+}
+
+/* ---- comparing --------------------------------------------------------------------------------------------------------- */
+
+static void compare(ssfr_twins_row *row)
+{
+    const ssfr_field *a = row->measured, *b = row->reference;
+    const size_t n = (size_t)b->w * (size_t)b->h * (size_t)b->c;
+    size_t outside = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double difference = fabs(a->data[i] - b->data[i]);
+        const bool bad = !isfinite(a->data[i]) || !isfinite(b->data[i]);
+        row->n_nan += bad;
+        if (!bad && ssfr_is_surface(a->data[i]) && ssfr_is_surface(b->data[i])) row->max_abs = fmax(row->max_abs, difference);
+        outside += !(difference <= row->tolerance.abs + row->tolerance.rel * fabs(b->data[i]));
+    }
+    row->outliers = (double)outside / (double)n;
+    row->ok = row->n_nan == 0 && row->outliers <= row->tolerance.outliers;
+}
+
+ssfr_result ssfr_twins_compare(const ssfr_pass *pass, const ssfr_scene *scene, ssfr_gl *gl, const char *const *settings,
+                               ssfr_twins_row rows[SSFR_MAX_OUTPUTS], int *n_rows)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_graph *source = NULL;
+    const node *at = NULL;
+    ssfr_field *cpu[SSFR_MAX_OUTPUTS] = {0}, *gpu[SSFR_MAX_OUTPUTS] = {0};
+    *n_rows = 0;
+    SSFR_TRY(make_inputs(pass, scene, &source, &at));
+    SSFR_TRY(run_twin(pass, NULL, scene, source, at, settings, cpu));
+    SSFR_TRY(run_twin(pass, gl, scene, source, at, settings, gpu));
+    for (int k = 0; k < at->n_out; k++) {
+        rows[k] = (ssfr_twins_row){.output = pass->outputs[k].name, .tolerance = pass->tolerance, .reference = cpu[k],
+                                   .measured = gpu[k]};
+        cpu[k] = gpu[k] = NULL;
+        compare(&rows[k]);
+        ++*n_rows;
+    }
+end:
+    for (int k = 0; k < SSFR_MAX_OUTPUTS; k++) ssfr_field_destroy(&cpu[k]), ssfr_field_destroy(&gpu[k]);
+    ssfr_graph_destroy(&source);
+    return result;
+}
+
+void ssfr_twins_finish(ssfr_twins_row rows[SSFR_MAX_OUTPUTS], int n_rows)
+{
+    for (int k = 0; k < n_rows; k++) ssfr_field_destroy(&rows[k].reference), ssfr_field_destroy(&rows[k].measured);
+}
