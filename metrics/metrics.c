@@ -52,7 +52,7 @@ ssfr_result ssfr_metric_measure(const ssfr_metric *metric, const ssfr_field *a, 
         return ssfr_fail(SSFR_ERR_VALUE, "%s: %d channels do not make a %s image", metric->name, a->c,
                          ssfr_metric_kind_name(metric->kind));
     if (mask && (mask->w != a->w || mask->h != a->h || mask->c != 1))
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: a mask of %d x %d pixels and %d channels for %d x %d pixels", metric->name,
-                         mask->w, mask->h, mask->c, a->w, a->h);
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: a mask of %d x %d pixels and %d channels for %d x %d pixels",
+                         metric->name, mask->w, mask->h, mask->c, a->w, a->h);
     return metric->run(&pair, out);
 }

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_exr.c: EXR files hold what was saved to the bit, files of other programs are read, bad ones are refused. */
+#include "tests/disk.h"
 #include "tests/util.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <openexr.h>
-#include <signal.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -40,20 +37,7 @@ static void save_one(const char *path, const char *channels, ssfr_field *field)
     assert_int_equal(ssfr_exr_save(path, 1, &layer, 0, NULL), SSFR_OK);
 }
 
-/* Files in the folder of `path` whose names hold `text`. */
-static int count_files(const char *path, const char *text)
-{
-    char folder[256];
-    snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(path, '/') - path), path);
-    DIR *dir = opendir(folder);
-    assert_non_null(dir);
-    int n = 0;
-    for (struct dirent *entry = readdir(dir); entry; entry = readdir(dir)) n += strstr(entry->d_name, text) ? 1 : 0;
-    closedir(dir);
-    return n;
-}
-
-/* ---- what ssfr writes ---------------------------------------------------------------------------------------- */
+/* ---- what ssfr writes ------------------------------------------------------------------------------------------- */
 
 static void round_trip_is_bit_exact_in_float(void **state)
 {
@@ -106,7 +90,8 @@ static void channels_are_sorted_and_read_back_in_any_order(void **state)
 {
     (void)state;
     const char *path = test_path("layers.exr");
-    ssfr_field *colour = make_field(21, 19, 3, 1), *normal = make_field(21, 19, 3, 2), *depth = make_field(21, 19, 1, 3);
+    ssfr_field *colour = make_field(21, 19, 3, 1), *normal = make_field(21, 19, 3, 2);
+    ssfr_field *depth = make_field(21, 19, 1, 3);
     const ssfr_layer layers[] = {{"R,G,B", colour}, {"Z", depth}, {"N.X,N.Y,N.Z", normal}};
     ssfr_field *mixed = NULL;
     char *names = NULL;
@@ -244,7 +229,7 @@ static void saving_refuses_layers_that_do_not_fit(void **state)
     assert_fails(SSFR_ERR_VALUE, ssfr_exr_save(path, 0, NULL, 0, NULL), "no layer");
     assert_fails(SSFR_ERR_VALUE, ssfr_exr_save(path, 1, &good, 1, &taken), "attribute \"compression\"");
     assert_fails(SSFR_ERR_VALUE, ssfr_exr_save(path, 1, &good, 1, &unnamed), "attribute \"\"");
-    assert_int_equal(count_files(path, "refused.exr"), 0);
+    assert_int_equal(test_count_files(path, "refused.exr"), 0);
     ssfr_field_destroy(&a);
     ssfr_field_destroy(&b);
     ssfr_field_destroy(&rgb);
@@ -265,18 +250,8 @@ static void saving_where_nothing_can_be_written_fails(void **state)
     assert_int_equal(mkdir(folder, 0755), 0);
     assert_fails(SSFR_ERR_IO, ssfr_exr_save(folder, 1, &layer, 0, NULL), folder);
     assert_int_equal(rmdir(folder), 0);
-    assert_int_equal(count_files(file, ".part"), 0);
+    assert_int_equal(test_count_files(file, ".part"), 0);
     ssfr_field_destroy(&field);
-}
-
-/* Sets how large a file this process may write, as a full disk would. */
-static void limit_file_size(rlim_t size)
-{
-    struct rlimit limit;
-    signal(SIGXFSZ, SIG_IGN);
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
-    limit.rlim_cur = size < limit.rlim_max ? size : limit.rlim_max;
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
 }
 
 static void a_failed_save_keeps_the_old_file(void **state)
@@ -286,16 +261,16 @@ static void a_failed_save_keeps_the_old_file(void **state)
     ssfr_field *old = make_field(7, 5, 1, 1), *new = make_field(200, 150, 1, 2);
     const ssfr_layer layer = {"Z", new};
     save_one(path, "Z", old);
-    static const rlim_t limits[] = {0, 100, 1000, 60000};
+    static const size_t limits[] = {0, 100, 1000, 60000};
     for (size_t i = 0; i < SSFR_COUNT(limits); i++) {
-        limit_file_size(limits[i]);
+        test_limit_file_size(limits[i]);
         test_clear_log();
         const ssfr_result result = ssfr_exr_save(path, 1, &layer, 0, NULL);
-        limit_file_size(RLIM_INFINITY);
+        test_limit_file_size(SIZE_MAX);
         assert_int_equal(result, SSFR_ERR_IO);
         test_assert_logged(path, __FILE__, __LINE__);
         assert_loads(path, "Z", old);
-        assert_int_equal(count_files(path, ".part"), 0);
+        assert_int_equal(test_count_files(path, ".part"), 0);
     }
     save_one(path, "Z", new);
     assert_loads(path, "Z", new);
@@ -303,7 +278,7 @@ static void a_failed_save_keeps_the_old_file(void **state)
     ssfr_field_destroy(&old);
 }
 
-/* ---- what other programs write ------------------------------------------------------------------------------- */
+/* ---- what other programs write ---------------------------------------------------------------------------------- */
 
 /* A file with channels A (half), B (float) and C (uint). */
 typedef struct variant {
@@ -548,7 +523,7 @@ static void what_is_not_read_is_said(void **state)
     assert_null(field);
 }
 
-/* ---- bad requests and bad files ------------------------------------------------------------------------------ */
+/* ---- bad requests and bad files --------------------------------------------------------------------------------- */
 
 static void what_is_missing_is_named(void **state)
 {
@@ -687,8 +662,9 @@ static void damaged_files_of_other_programs_do_no_harm(void **state)
     const char *whole = test_path("layout.exr"), *changed = test_path("changed2.exr");
     uint64_t seed = 17;
     for (size_t i = 0; i < 2 * SSFR_COUNT(compressions); i++) {
-        const variant v = {.storage = i % 2 ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, .compression = compressions[i / 2],
-                           .w = 45, .h = 39, .tile_w = 16, .tile_h = 12, .sampling = 1, .n_parts = 1};
+        const variant v = {.storage = i % 2 ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE,
+                           .compression = compressions[i / 2], .w = 45, .h = 39, .tile_w = 16, .tile_h = 12,
+                           .sampling = 1, .n_parts = 1};
         char *data = NULL;
         size_t size = 0;
         write_variant(whole, &v);

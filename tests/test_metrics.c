@@ -49,7 +49,7 @@ static ssfr_field *make_kind(ssfr_metric_kind kind, int w, int h, uint64_t seed)
     return field;
 }
 
-/* ---- the list ------------------------------------------------------------------------------------------------ */
+/* ---- the list --------------------------------------------------------------------------------------------------- */
 
 static void every_metric_is_found_by_its_name(void **state)
 {
@@ -64,7 +64,7 @@ static void every_metric_is_found_by_its_name(void **state)
     assert_null(ssfr_metric_at(-1));
 }
 
-/* ---- depth --------------------------------------------------------------------------------------------------- */
+/* ---- depth ------------------------------------------------------------------------------------------------------ */
 
 static void a_constant_offset_is_rms_max_and_mean(void **state)
 {
@@ -141,7 +141,7 @@ static void iou_of_rectangles_is_their_overlap(void **state)
     ssfr_field_destroy(&b);
 }
 
-/* ---- normals ------------------------------------------------------------------------------------------------- */
+/* ---- normals ---------------------------------------------------------------------------------------------------- */
 
 static const double angles[] = {1e-12, 1e-9, 2.385e-8, 1e-6, 1e-3, 0.2385, 1.5, M_PI / 2, 2.385, M_PI};
 
@@ -197,7 +197,7 @@ static void a_zero_vector_is_no_surface(void **state)
     ssfr_field_destroy(&b);
 }
 
-/* ---- colour -------------------------------------------------------------------------------------------------- */
+/* ---- colour ----------------------------------------------------------------------------------------------------- */
 
 static void psnr_follows_from_the_display_difference(void **state)
 {
@@ -230,7 +230,7 @@ static void squares_and_largest_are_of_linear_values(void **state)
     ssfr_field_destroy(&b);
 }
 
-/* ---- SSIM: its definition, written down plainly --------------------------------------------------------------- */
+/* ---- SSIM: its definition, written down plainly ----------------------------------------------------------------- */
 
 static int mirrored(int i, int n)
 {
@@ -346,7 +346,7 @@ static void what_opencv_throws_comes_back_as_one_line(void **state)
     assert_true(strlen(message) > 10);
 }
 
-/* ---- all of them --------------------------------------------------------------------------------------------- */
+/* ---- all of them ------------------------------------------------------------------------------------------------ */
 
 static void masks_leave_out_what_they_hide(void **state)
 {

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_png.c: PNG files are sRGB to the last level, those of other programs are read, bad ones are refused. */
+#include "tests/disk.h"
 #include "tests/util.h"
 
 #include "image/srgb.h"
 
-#include <dirent.h>
 #include <png.h>
-#include <signal.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -30,7 +28,7 @@ static void save_and_load(const char *path, const ssfr_field *field, ssfr_field 
     assert_int_equal((*back)->c, 3);
 }
 
-/* ---- what ssfr writes ---------------------------------------------------------------------------------------- */
+/* ---- what ssfr writes ------------------------------------------------------------------------------------------- */
 
 static void the_transfer_function_is_that_of_the_standard(void **state)
 {
@@ -125,7 +123,7 @@ static void values_outside_are_clamped_and_those_not_finite_counted(void **state
     ssfr_field_destroy(&field);
 }
 
-/* ---- what other programs write ------------------------------------------------------------------------------- */
+/* ---- what other programs write ---------------------------------------------------------------------------------- */
 
 typedef struct kind {
     int type, bits;
@@ -208,8 +206,8 @@ static double expected_at(const kind *f, int x, int y, int k)
     const png_color colour = palette_at(sample_at(f, x, y, 0));
     const int bytes[] = {colour.red, colour.green, colour.blue};
     const bool gray = f->type == PNG_COLOR_TYPE_GRAY || f->type == PNG_COLOR_TYPE_GRAY_ALPHA;
-    const double v = f->type == PNG_COLOR_TYPE_PALETTE ? bytes[k] / 255.0
-                                                       : sample_at(f, x, y, gray ? 0 : k) / (double)((1u << f->bits) - 1);
+    const double sample = sample_at(f, x, y, gray ? 0 : k) / (double)((1u << f->bits) - 1);
+    const double v = f->type == PNG_COLOR_TYPE_PALETTE ? bytes[k] / 255.0 : sample;
     return f->gamma > 0 ? pow(v, 1 / f->gamma) : ssfr_srgb_decode(v);
 }
 
@@ -276,19 +274,7 @@ static void a_gamma_chunk_replaces_the_curve_unless_it_says_the_same(void **stat
     ssfr_field_destroy(&field);
 }
 
-/* ---- what fails ---------------------------------------------------------------------------------------------- */
-
-static int count_parts(const char *path)
-{
-    char folder[256];
-    snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(path, '/') - path), path);
-    DIR *dir = opendir(folder);
-    assert_non_null(dir);
-    int n = 0;
-    for (struct dirent *entry = readdir(dir); entry; entry = readdir(dir)) n += strstr(entry->d_name, ".part") ? 1 : 0;
-    closedir(dir);
-    return n;
-}
+/* ---- what fails ------------------------------------------------------------------------------------------------- */
 
 static void saving_where_nothing_can_be_written_fails(void **state)
 {
@@ -305,19 +291,9 @@ static void saving_where_nothing_can_be_written_fails(void **state)
     assert_int_equal(mkdir(folder, 0755), 0);
     assert_fails(SSFR_ERR_IO, ssfr_png_save(folder, field), folder);
     assert_int_equal(rmdir(folder), 0);
-    assert_int_equal(count_parts(file), 0);
+    assert_int_equal(test_count_files(file, ".part"), 0);
     ssfr_field_destroy(&two);
     ssfr_field_destroy(&field);
-}
-
-/* Sets how large a file this process may write, as a full disk would. */
-static void limit_file_size(rlim_t size)
-{
-    struct rlimit limit;
-    signal(SIGXFSZ, SIG_IGN);
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
-    limit.rlim_cur = size < limit.rlim_max ? size : limit.rlim_max;
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
 }
 
 static void a_failed_save_keeps_the_old_file(void **state)
@@ -325,19 +301,19 @@ static void a_failed_save_keeps_the_old_file(void **state)
     (void)state;
     const char *path = test_path("kept.png");
     ssfr_field *old = make_field(7, 5, 3), *large = make_field(200, 150, 3), *small = make_field(3, 2, 3), *back = NULL;
-    static const rlim_t limits[] = {0, 50, 60000};
+    static const size_t limits[] = {0, 50, 60000};
     assert_int_equal(ssfr_png_save(path, old), SSFR_OK);
     for (size_t i = 0; i < SSFR_COUNT(limits); i++)
         for (int k = 0; k < 2 && !(k == 1 && limits[i] > 50); k++) { /* the small one fails when the file is closed */
-            limit_file_size(limits[i]);
+            test_limit_file_size(limits[i]);
             test_clear_log();
             const ssfr_result result = ssfr_png_save(path, k ? small : large);
-            limit_file_size(RLIM_INFINITY);
+            test_limit_file_size(SIZE_MAX);
             assert_int_equal(result, SSFR_ERR_IO);
             test_assert_logged("kept.png: File too large", __FILE__, __LINE__);
             assert_int_equal(ssfr_png_load(path, &back), SSFR_OK);
             assert_int_equal(back->w, 7);
-            assert_int_equal(count_parts(path), 0);
+            assert_int_equal(test_count_files(path, ".part"), 0);
             ssfr_field_destroy(&back);
         }
     ssfr_field_destroy(&small);
@@ -395,16 +371,24 @@ static void declared_sizes_are_not_believed(void **state)
     ssfr_field_destroy(&field);
 }
 
+/* The bytes of a valid file, to free(). */
+static char *make_bytes(const kind *f, size_t *size)
+{
+    const char *path = test_path("whole.png");
+    char *data = NULL;
+    write_png(path, f);
+    assert_int_equal(ssfr_read_file(path, 1 << 20, &data, size), SSFR_OK);
+    return data;
+}
+
 static void a_file_cut_at_any_byte_is_refused(void **state)
 {
     (void)state;
-    const char *whole = test_path("whole.png"), *cut = test_path("cut.png");
+    const char *cut = test_path("cut.png");
     for (size_t i = 0; i < SSFR_COUNT(kinds); i += 4) {
         ssfr_field *back = NULL;
-        char *data = NULL;
         size_t size = 0;
-        write_png(whole, &kinds[i]);
-        assert_int_equal(ssfr_read_file(whole, 1 << 20, &data, &size), SSFR_OK);
+        char *data = make_bytes(&kinds[i], &size);
         for (size_t n = 0; n < size; n++) {
             test_write_file(cut, data, n);
             assert_fails(SSFR_ERR_FORMAT, ssfr_png_load(cut, &back), "cut.png: ");
@@ -417,13 +401,11 @@ static void a_file_cut_at_any_byte_is_refused(void **state)
 static void a_byte_changed_anywhere_does_no_harm(void **state)
 {
     (void)state;
-    const char *whole = test_path("whole2.png"), *changed = test_path("changed.png");
+    const char *changed = test_path("changed.png");
     for (size_t i = 0; i < SSFR_COUNT(kinds); i += 4) {
         ssfr_field *back = NULL;
-        char *data = NULL;
         size_t size = 0;
-        write_png(whole, &kinds[i]);
-        assert_int_equal(ssfr_read_file(whole, 1 << 20, &data, &size), SSFR_OK);
+        char *data = make_bytes(&kinds[i], &size);
         for (size_t n = 0; n < size; n++) {
             data[n] = (char)(data[n] ^ 0x55);
             test_write_file(changed, data, size);
