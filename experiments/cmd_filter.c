@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* cmd_filter.c: `ssfr filter`: one pass on the user's own buffers. */
+#include "experiments/channels.h"
 #include "experiments/command.h"
 #include "experiments/output.h"
 #include "experiments/record.h"
@@ -109,27 +110,10 @@ static ssfr_result check_channels(const ssfr_list *channels, const ssfr_pass *pa
         for (const ssfr_port *port = pass->inputs; port->name; port++)
             found |= strlen(port->name) == length && memcmp(port->name, channels->items[i], length) == 0;
         if (!found || !channels->items[i][length])
-            return ssfr_fail(SSFR_ERR_UNKNOWN, "--channel %s: expected PORT=NAMES, PORT an input of %s (ssfr passes %s)",
-                             channels->items[i], pass->name, pass->name);
+            return ssfr_fail(SSFR_ERR_UNKNOWN, "--channel %s: expected PORT=NAMES for an input of %s",
+                             channels->items[i], pass->name);
     }
     return SSFR_OK;
-}
-
-static bool lists_name(const char *list, const char *name, size_t length)
-{
-    bool found = false;
-    for (const char *at = list; at && !found; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
-        found = strcspn(at, ",") == length && memcmp(at, name, length) == 0;
-    return found;
-}
-
-/* Every name of the comma-separated `names` is in `list`. */
-static bool lists_all(const char *list, const char *names)
-{
-    bool all = true;
-    for (const char *at = names; at && all; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
-        all = lists_name(list, at, strcspn(at, ","));
-    return all;
 }
 
 /* The user's word, else the first port of its kind reads the channels that files of this program have. */
@@ -145,7 +129,7 @@ static source find_source(const ssfr_pass *pass, int k, const filter_options *op
     if (user) {
         snprintf(s.names, sizeof s.names, "%.*s", (int)strcspn(user, ":"), user);
         if (colon) s.file = colon + 1;
-    } else if (first && lists_all(file_channels, usual)) {
+    } else if (first && ssfr_channels_include(file_channels, usual)) {
         snprintf(s.names, sizeof s.names, "%s", usual);
     } else {
         s.file = NULL;
@@ -203,7 +187,7 @@ static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const fi
         result = fail_nothing(pass, file, channels);
         goto end;
     }
-    if (in->range.farthest == 0 && lists_all(channels, "Z"))
+    if (in->range.farthest == 0 && ssfr_channels_include(channels, "Z"))
         ssfr_log(SSFR_WARNING, "%s: no pixel of Z is a surface; is --depth right?", file);
 end:
     free(channels);
@@ -257,7 +241,7 @@ static ssfr_result check(const filter_options *options, const ssfr_pass *pass)
     if (!options->output) return ssfr_fail(SSFR_ERR_VALUE, "nowhere to write: give -o FILE.exr");
     SSFR_TRY(ssfr_output_check_image(options->output, false));
     if (pass->reach || !pass->inputs[0].name)
-        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: draws a scene, there is no image to filter: use render", pass->name);
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: draws a scene and filters no image: use render", pass->name);
     SSFR_TRY(check_planes(options));
     SSFR_TRY(check_channels(&options->channels, pass));
 end:
