@@ -182,6 +182,18 @@ static void oblique_normals_keep_tiny_angles(void **state)
     ssfr_field_destroy(&b);
 }
 
+/* Two normals that differ in the last digits of one number: the angle is that of the numbers, not of rounded products. */
+static void the_last_digits_of_a_normal_count(void **state)
+{
+    (void)state;
+    ssfr_field *a = make(1, 1, 3, 0), *b = make(1, 1, 3, 0);
+    a->data[0] = 0.6, a->data[1] = 0.8;
+    b->data[0] = 0.6 + 0x1p-47, b->data[1] = 0.8;
+    assert_close(measure("normal_max_deg", a, b) * M_PI / 180, 0.8 * (b->data[0] - 0.6), 0, 1e-13);
+    ssfr_field_destroy(&a);
+    ssfr_field_destroy(&b);
+}
+
 static void a_zero_vector_is_no_surface(void **state)
 {
     (void)state;
@@ -470,6 +482,7 @@ int main(void)
         cmocka_unit_test(iou_of_rectangles_is_their_overlap),
         cmocka_unit_test(rotated_normals_give_their_angle),
         cmocka_unit_test(oblique_normals_keep_tiny_angles),
+        cmocka_unit_test(the_last_digits_of_a_normal_count),
         cmocka_unit_test(a_zero_vector_is_no_surface),
         cmocka_unit_test(psnr_follows_from_the_display_difference),
         cmocka_unit_test(squares_and_largest_are_of_linear_values),
