@@ -205,7 +205,7 @@ static void packing_refuses_what_is_not_finite_or_too_far_apart(void **state)
     (void)state;
     ssfr_particles *p = NULL;
     double positions[6] = {0, 0, 0, 1, NAN, 1};
-    assert_fails(SSFR_ERR_VALUE, ssfr_particles_create(&p, 2, positions, NULL), "particle 1 (from 0): position (1, nan, 1)");
+    assert_fails(SSFR_ERR_VALUE, ssfr_particles_create(&p, 2, positions, NULL), "particle 1 (from 0): position (1, nan");
     positions[4] = -INFINITY;
     assert_fails(SSFR_ERR_VALUE, ssfr_particles_create(&p, 2, positions, NULL), "-inf");
     positions[4] = 1e300;

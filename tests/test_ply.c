@@ -13,8 +13,8 @@ static bytes make_file(ssfr_encoding encoding, ssfr_scalar type)
     static const char *const formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
     static const char *const names[] = {"vx", "vy", "vz", "density", "lifetime", "neighbors", "id", "type"};
     bytes b = {0};
-    put_text(&b, "ply\r\nformat %s 1.0\ncomment particle radius 0.02385 m, and more\nobj_info none\n", formats[encoding]);
-    put_text(&b, "element camera 2\nproperty float focus\nproperty list uchar short bends\nelement vertex 3\n");
+    put_text(&b, "ply\r\nformat %s 1.0\ncomment particle radius 0.02385 m, and more\n", formats[encoding]);
+    put_text(&b, "obj_info none\nelement camera 2\nproperty float focus\nproperty list uchar short bends\nelement vertex 3\n");
     put_text(&b, "property list uchar int around\nproperty double z\nproperty float colour\nproperty double x\n");
     put_text(&b, "property float y\n");
     for (size_t k = 0; k < SSFR_COUNT(names); k++) put_text(&b, "property %s %s\n", type_names[type], names[k]);
@@ -118,7 +118,8 @@ static void a_radius_stands_in_metres_in_a_comment(void **state)
     (void)state;
     static const char *const comments[] = {"particle radius 0.25 m", "particle radius 2.5e-1 m, support 1 m",
                                            "particle radius 0.25"};
-    static const char *const others[] = {"particle radius 250 mm", "the particle radius 0.25 m", "particle radius is 2"};
+    static const char *const others[] = {"particle radius 250 mm", "the particle radius 0.25 m",
+                                         "particle radius is 2"};
     char header[256];
     ssfr_particles *p = NULL;
     for (size_t i = 0; i < SSFR_COUNT(comments); i++) {
@@ -185,10 +186,10 @@ static void vertices_without_whole_vectors_are_refused(void **state)
     (void)state;
     assert_refused(ascii("element vertex 1\nproperty float x\nproperty float z\n", "1 2\n"), SSFR_ERR_FORMAT,
                    "lack x, y or z");
-    assert_refused(ascii("element vertex 1\nproperty list uchar float x\nproperty float y\nproperty float z\n", "0 1 2\n"),
+    assert_refused(ascii("element vertex 1\nproperty list uchar float x\nproperty float y\nproperty float z\n", "0 1\n"),
                    SSFR_ERR_FORMAT, "lack x, y or z");
     assert_refused(ascii(ONE "property float vx\n", "1 2 3 4\n"), SSFR_ERR_FORMAT, "lack a component of velocity");
-    assert_refused(ascii(ONE "property float x\n", "1 2 3 4\n"), SSFR_ERR_FORMAT, "two vertex properties for what x says");
+    assert_refused(ascii(ONE "property float x\n", "1 2 3 4\n"), SSFR_ERR_FORMAT, "two vertex properties for what x");
     assert_refused(ascii(ONE "property int neighbors\nproperty int neighbours\n", "1 2 3 4 5\n"), SSFR_ERR_FORMAT,
                    "what neighbours says");
 }
@@ -201,7 +202,7 @@ static void counts_that_the_file_cannot_hold_are_refused(void **state)
     put_text(&b, "only these bytes");
     assert_refused(particle_file("absurd.ply", b.data, b.n), SSFR_ERR_FORMAT,
                    "9999999999999999999 particles of at least 12 bytes are announced, but 16 bytes follow");
-    assert_refused(ascii("element vertex 3\n" XYZ, "1 2 3\n4 5 6\n"), SSFR_ERR_FORMAT, "3 particles of at least 6 bytes");
+    assert_refused(ascii("element vertex 3\n" XYZ, "1 2 3\n4 5 6\n"), SSFR_ERR_FORMAT, "3 particles of at least 6");
     assert_refused(ascii("element vertex 9999999999999999999\n", ""), SSFR_ERR_FORMAT, "9999999999999999999 particles");
     assert_refused(ascii("element bend 9999999999999999999\nelement vertex 1\n" XYZ, "1 2\n"), SSFR_ERR_FORMAT,
                    "1 particles of at least 6 bytes");
@@ -221,9 +222,9 @@ static void a_bad_body_is_refused_with_the_particle(void **state)
     assert_refused(ascii(listed, "1 2 3 2 1\n"), SSFR_ERR_FORMAT, "around: the list is longer");
     assert_refused(ascii(listed, "1 2 3 99999999\n"), SSFR_ERR_FORMAT, "around: the list is longer");
     assert_refused(ascii(listed, "1 2 3 \n     "), SSFR_ERR_FORMAT, "around: the line ends");
-    assert_refused(ascii(ONE "property float id\n", "1 2 3 2.5\n"), SSFR_ERR_FORMAT, "id is 2.5, expected a whole number");
+    assert_refused(ascii(ONE "property float id\n", "1 2 3 2.5\n"), SSFR_ERR_FORMAT, "id is 2.5, expected a whole");
     assert_refused(ascii(ONE "property int kind\n", "1 2 3 -1\n"), SSFR_ERR_FORMAT, "kind is -1, expected");
-    assert_refused(ascii(ONE "property double id\n", "1 2 3 4294967296\n"), SSFR_ERR_FORMAT, "id is 4294967296, expected");
+    assert_refused(ascii(ONE "property double id\n", "1 2 3 4294967296\n"), SSFR_ERR_FORMAT, "id is 4294967296,");
     assert_refused(ascii("element bend 1\nproperty float x\nelement vertex 1\n" XYZ, "a\n1 2 3\n"), SSFR_ERR_FORMAT,
                    "bend 0 (from 0): x: found \"a\"");
 }
