@@ -20,7 +20,7 @@ static void set_divisors(ssfr_graph *graph, node *n)
         int divisor = like >= 0 ? graph->resources[n->in[like]].divisor : 1;
         if (n->off) divisor = from >= 0 ? graph->resources[n->in[from]].divisor : 1;
         else if (pass->shrink) divisor *= pass->shrink(n->params);
-        graph->resources[n->out[k]].divisor = divisor;
+        if (!graph->resources[n->out[k]].is_given) graph->resources[n->out[k]].divisor = divisor;
     }
     n->run.divisor = n->n_out ? graph->resources[n->out[0]].divisor : 1;
     n->run.w = (graph->frame.w + n->run.divisor - 1) / n->run.divisor;
