@@ -2,18 +2,16 @@
 /* cmd_filter.c: `ssfr filter`: one pass on the user's own buffers. */
 #include "experiments/channels.h"
 #include "experiments/command.h"
+#include "experiments/depth.h"
 #include "experiments/output.h"
 #include "experiments/record.h"
 
-#include "base/field.h"
 #include "graph/graph.h"
-
-enum { DEPTH_EYE, DEPTH_POSITIVE, DEPTH_WINDOW, DEPTH_REVERSED }; /* the words of --depth, in their order */
 
 typedef struct filter_options {
     const char *output;
     ssfr_list channels;
-    int depth;
+    int kind;         /* ssfr_depth_kind */
     double near, far; /* m; 0: not given */
     double fov_deg, radius;
 } filter_options;
@@ -25,7 +23,7 @@ static const ssfr_option rows[] = {
         "the channels that a port of the pass reads, by commas, in the order of the port, from another file if need be "
         "(default: those that 'ssfr passes PASS' names, from the input)",
         0, 0),
-    ROW(depth, "depth", 0, WORD, "eye|positive|window|reversed",
+    ROW(kind, "depth", 0, WORD, "eye|positive|window|reversed",
         "how depths are stored: eye-space z, negative in front (default); distance along the view axis; window depth "
         "in [0, 1], 0 near; reversed window depth, 1 near",
         0, 0),
@@ -36,48 +34,9 @@ static const ssfr_option rows[] = {
     SSFR_OPTION_END,
 };
 
-/* ---- depth ------------------------------------------------------------------------------------------------------- */
-
-/* Distance along the view axis, m; NaN where the stored value shows no surface. */
-static double distance_from(double stored, const filter_options *o)
-{
-    const bool finite = o->far > 0;
-    const bool inside = stored >= 0 && stored <= 1;
-    double distance = NAN;
-    switch (o->depth) {
-    case DEPTH_EYE: distance = -stored; break;
-    case DEPTH_POSITIVE: distance = stored; break;
-    case DEPTH_WINDOW:
-        if (inside && stored < 1)
-            distance = finite ? o->near * o->far / (o->far - stored * (o->far - o->near)) : o->near / (1 - stored);
-        break;
-    default:
-        if (inside && stored > 0)
-            distance = finite ? o->near * o->far / (o->near + stored * (o->far - o->near)) : o->near / stored;
-        break;
-    }
-    return distance > 0 && distance < SSFR_SURFACE ? distance : NAN;
-}
-
-typedef struct depth_range {
-    double nearest, farthest; /* m; inf and 0 when there is no surface */
-} depth_range;
-
-/* To eye-space z, in place. */
-static void convert_depth(ssfr_field *field, const filter_options *options, depth_range *range)
-{
-    const size_t n = (size_t)field->w * (size_t)field->h;
-    for (size_t i = 0; i < n; i++) {
-        const double distance = distance_from(field->data[i], options);
-        field->data[i] = isnan(distance) ? -SSFR_EMPTY : -distance;
-        range->nearest = fmin(range->nearest, distance);
-        range->farthest = fmax(range->farthest, distance);
-    }
-}
-
 static ssfr_result check_planes(const filter_options *o)
 {
-    const bool needed = o->depth == DEPTH_WINDOW || o->depth == DEPTH_REVERSED;
+    const bool needed = o->kind == SSFR_DEPTH_WINDOW || o->kind == SSFR_DEPTH_REVERSED;
     if (needed && !(o->near > 0)) return ssfr_fail(SSFR_ERR_VALUE, "--depth window and reversed need --near");
     if (needed && o->far > 0 && o->far <= o->near)
         return ssfr_fail(SSFR_ERR_VALUE, "--far %g: must be beyond --near %g", o->far, o->near);
@@ -138,9 +97,9 @@ static source find_source(const ssfr_pass *pass, int k, const filter_options *op
 }
 
 typedef struct inputs {
-    int w, h; /* px, of the first image */
+    int w, h; /* px, of the largest image */
     int n;
-    depth_range range;
+    ssfr_depth_range range;
 } inputs;
 
 static ssfr_result import(ssfr_graph *graph, const ssfr_port *port, const source *from, const filter_options *options,
@@ -148,9 +107,11 @@ static ssfr_result import(ssfr_graph *graph, const ssfr_port *port, const source
 {
     ssfr_result result = SSFR_OK;
     ssfr_field *field = NULL;
+    const ssfr_depth_format format = {(ssfr_depth_kind)options->kind, options->near, options->far};
     SSFR_TRY(ssfr_exr_load(from->file, from->names, &field));
-    if (in->n++ == 0) in->w = field->w, in->h = field->h;
-    if (strcmp(ssfr_slots[port->slot].exr, "Z") == 0) convert_depth(field, options, &in->range);
+    in->n++;
+    in->w = ssfr_max_int(in->w, field->w), in->h = ssfr_max_int(in->h, field->h);
+    if (strcmp(ssfr_slots[port->slot].exr, "Z") == 0) ssfr_depth_convert(&format, field, &in->range);
     SSFR_TRY(ssfr_graph_import(graph, port->name, field));
     ssfr_log(SSFR_INFO, "%s reads %s of %s, %dx%d px", port->name, from->names, from->file, field->w, field->h);
 end:
@@ -181,7 +142,8 @@ static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const fi
         if (from.file)
             SSFR_TRY(import(graph, &pass->inputs[k], &from, options, in));
         else
-            ssfr_log(SSFR_INFO, "%s is left empty", pass->inputs[k].name);
+            ssfr_log(SSFR_WARNING, "%s is left empty: --channel %s=NAMES fills it", pass->inputs[k].name,
+                     pass->inputs[k].name);
     }
     if (in->n == 0) {
         result = fail_nothing(pass, file, channels);
