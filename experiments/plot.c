@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* plot.c: points, fronts and a gnuplot script from the rows of a sweep. */
 #include "experiments/plot.h"
+#include "experiments/columns.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -11,41 +12,6 @@
 extern char **environ;
 
 enum { MAX_LINES = 64, NAME_SIZE = 192 };
-
-/* ---- columns ------------------------------------------------------------------------------------------------------ */
-
-static const ssfr_column columns[] = {
-#define X(name, unit, better, help) {#name, unit, better, help},
-#include "experiments/columns.def"
-#undef X
-};
-
-const ssfr_column *ssfr_column_at(int i)
-{
-    return i >= 0 && (size_t)i < SSFR_COUNT(columns) ? &columns[i] : NULL;
-}
-
-const ssfr_column *ssfr_column_find(const char *name)
-{
-    const ssfr_column *found = NULL;
-    for (size_t i = 0; i < SSFR_COUNT(columns) && !found; i++)
-        if (strcmp(columns[i].name, name) == 0) found = &columns[i];
-    return found;
-}
-
-/* "ms_median" and "angle_deg" carry their unit. */
-static bool carries_unit(const char *name, const char *unit)
-{
-    const size_t n = strlen(name), u = strlen(unit);
-    if (n <= u) return false;
-    return (strncmp(name, unit, u) == 0 && name[u] == '_') || (strcmp(name + n - u, unit) == 0 && name[n - u - 1] == '_');
-}
-
-void ssfr_column_header(const char *name, const char *unit, char *text, size_t size)
-{
-    const bool bare = strcmp(unit, "1") == 0 || carries_unit(name, unit);
-    snprintf(text, size, bare ? "%s" : "%s [%s]", name, unit);
-}
 
 /* ---- points -------------------------------------------------------------------------------------------------------- */
 

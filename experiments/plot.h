@@ -6,19 +6,6 @@
 #include "experiments/csv.h"
 #include "experiments/sweep_spec.h"
 
-/* A column that every sweep has. */
-typedef struct ssfr_column {
-    const char *name, *unit;
-    int better; /* -1: less is better, +1: more, 0: neither */
-    const char *help;
-} ssfr_column;
-
-/* In the order of columns.def; NULL past the end, or when there is no column of that name. */
-const ssfr_column *ssfr_column_at(int i);
-const ssfr_column *ssfr_column_find(const char *name);
-/* "name [unit]", or the name alone where it carries its unit or has none. Written to text[size]. */
-void ssfr_column_header(const char *name, const char *unit, char *text, size_t size);
-
 typedef struct ssfr_point {
     double x, y; /* less is better in both */
     size_t line; /* the method that it belongs to */

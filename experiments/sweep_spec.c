@@ -230,13 +230,33 @@ end:
     return result;
 }
 
-ssfr_result ssfr_sweep_spec_set_text(ssfr_sweep_spec *spec, const char *where, const char *text)
+static ssfr_result add_setting_text(ssfr_settings *settings, const char *where, const char *text)
 {
     char *key;
     const char *value;
     ssfr_result result = split(where, text, &key, &value);
-    if (result == SSFR_OK) result = add_setting(&spec->settings, where, key, value);
+    if (result == SSFR_OK) result = add_setting(settings, where, key, value);
     free(key);
+    return result;
+}
+
+ssfr_result ssfr_sweep_spec_set_text(ssfr_sweep_spec *spec, const char *where, const char *text)
+{
+    return add_setting_text(&spec->settings, where, text);
+}
+
+ssfr_result ssfr_sweep_spec_reference_text(ssfr_sweep_spec *spec, const char *where, const char *text)
+{
+    spec->has_reference = true;
+    return add_setting_text(&spec->reference, where, text);
+}
+
+ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec)
+{
+    static const char *const axes[][2] = {{"scene", "double_dam_break"}, {"size", "1280x720"}, {"backend", "gl"}};
+    ssfr_result result = SSFR_OK;
+    for (size_t i = 0; i < SSFR_COUNT(axes) && result == SSFR_OK; i++)
+        if (!ssfr_sweep_spec_axis(spec, axes[i][0])) result = ssfr_sweep_spec_vary(spec, "default", axes[i][0], axes[i][1]);
     return result;
 }
 

@@ -70,6 +70,11 @@ SSFR_MUST ssfr_result ssfr_sweep_spec_vary_text(ssfr_sweep_spec *spec, const cha
 SSFR_MUST ssfr_result ssfr_sweep_spec_set_text(ssfr_sweep_spec *spec, const char *where, const char *text);
 SSFR_MUST ssfr_result ssfr_sweep_spec_pipeline(ssfr_sweep_spec *spec, const char *name);
 
+/* The same for the reference, which is there from then on. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_reference_text(ssfr_sweep_spec *spec, const char *where, const char *text);
+/* Adds the axes that every sweep has and this one lacks: one scene, one size, one backend; the backend comes last. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec);
+
 /* The axis of that key, NULL when there is none. */
 const ssfr_axis *ssfr_sweep_spec_axis(const ssfr_sweep_spec *spec, const char *key);
 

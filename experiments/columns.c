@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* columns.c: the measured columns by name, and headers with units. */
+#include "experiments/columns.h"
+
+const ssfr_column ssfr_columns[SSFR_N_COLUMNS] = {
+#define X(name, unit, better, help) {#name, unit, better, help},
+#include "experiments/columns.def"
+#undef X
+};
+
+const ssfr_column *ssfr_column_find(const char *name)
+{
+    const ssfr_column *found = NULL;
+    for (size_t i = 0; i < SSFR_N_COLUMNS && !found; i++)
+        if (strcmp(ssfr_columns[i].name, name) == 0) found = &ssfr_columns[i];
+    return found;
+}
+
+/* "ms_median" and "angle_deg" carry their unit. */
+static bool carries_unit(const char *name, const char *unit)
+{
+    const size_t n = strlen(name), u = strlen(unit);
+    if (n <= u) return false;
+    return (strncmp(name, unit, u) == 0 && name[u] == '_') || (strcmp(name + n - u, unit) == 0 && name[n - u - 1] == '_');
+}
+
+void ssfr_column_header(const char *name, const char *unit, char *text, size_t size)
+{
+    const bool bare = strcmp(unit, "1") == 0 || carries_unit(name, unit);
+    snprintf(text, size, bare ? "%s" : "%s [%s]", name, unit);
+}

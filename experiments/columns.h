@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* columns.h: the measured columns of a sweep; columns.def is the one list of them. */
+#ifndef SSFR_COLUMNS_H
+#define SSFR_COLUMNS_H
+
+#include "base/base.h"
+
+typedef enum ssfr_column_id {
+#define X(name, unit, better, help) SSFR_COLUMN_##name,
+#include "experiments/columns.def"
+#undef X
+    SSFR_N_COLUMNS
+} ssfr_column_id;
+
+typedef struct ssfr_column {
+    const char *name, *unit;
+    int better; /* -1: less is better, +1: more, 0: neither */
+    const char *help;
+} ssfr_column;
+
+extern const ssfr_column ssfr_columns[SSFR_N_COLUMNS];
+const ssfr_column *ssfr_column_find(const char *name); /* NULL when there is none */
+
+/* "name [unit]", or the name alone where it carries its unit or has none. Written to text[size]. */
+void ssfr_column_header(const char *name, const char *unit, char *text, size_t size);
+
+#endif

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* meta.h: what stands beside a table, as <name>.meta.json: machine, versions, command, scenes, every parameter. */
+#ifndef SSFR_META_H
+#define SSFR_META_H
+
+#include "experiments/record.h"
+#include "experiments/sweep_spec.h"
+
+/* FNV-1a, 64 bit: begin with SSFR_HASH. */
+#define SSFR_HASH UINT64_C(0xcbf29ce484222325)
+uint64_t ssfr_hash_bytes(uint64_t hash, const void *data, size_t size);
+uint64_t ssfr_hash_text(uint64_t hash, const char *text); /* with its closing zero, so that texts do not run together */
+/* Of the world positions, in the order of the packed set. */
+uint64_t ssfr_hash_particles(const ssfr_particles *particles);
+
+/* "Intel(R) ..." or "unknown". */
+void ssfr_meta_processor(char *text, size_t size);
+
+typedef struct ssfr_meta {
+    int argc;
+    char **argv; /* argv[0] is the command */
+    long seed;
+    uint64_t identity;           /* what the rows of a table have in common, see ssfr_meta_check */
+    const ssfr_gl *gl;           /* NULL when none is used */
+    const char *pipeline;
+    const ssfr_graph *graph;     /* its parameters are those that no axis varies */
+    const ssfr_sweep_spec *spec; /* NULL for a table without axes */
+    int n_scenes;
+    const ssfr_record *scenes;   /* as ssfr_meta_record_scene fills them */
+    double bandwidth_gl, bandwidth_cpu; /* bytes/s; NaN when not measured */
+} ssfr_meta;
+
+/* What tells one scene from another: counts, camera, and a hash of its content. */
+SSFR_MUST ssfr_result ssfr_meta_record_scene(ssfr_record *record, const ssfr_stage *stage);
+
+/* "dir/name.csv" gives "dir/name<ending>". Free it. */
+SSFR_MUST ssfr_result ssfr_meta_path(char **out, const char *table, const char *ending);
+
+/* Writes the file beside the table, aside and renamed when complete. */
+SSFR_MUST ssfr_result ssfr_meta_save(const char *table, const ssfr_meta *meta);
+
+/* Fails when the file beside the table tells of another identity: its rows must not be mixed. Without a file: a warning. */
+SSFR_MUST ssfr_result ssfr_meta_check(const char *table, uint64_t identity);
+
+#endif

@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* rig.c: one run of a sweep: set, measure, compare with the twin and with the reference. */
+#include "experiments/rig.h"
+#include "experiments/scenes/scenes.h"
+#include "experiments/shot.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <unistd.h>
+
+typedef struct cached { /* a shot and the run that it belongs to */
+    bool valid;
+    size_t index[SSFR_MAX_AXES];
+    ssfr_shot shot;
+    ssfr_measured *measured; /* NULL when it was run only once, to be looked at */
+} cached;
+
+struct ssfr_rig {
+    const ssfr_rig_options *o;
+    ssfr_graph *gl, *cpu, *reference; /* NULL where not needed */
+    ssfr_stage *stage;
+    size_t scene; /* value that the stage shows */
+    bool staged;
+    cached twin, of_reference;
+    ssfr_shot shot;
+};
+
+/* ---- values of axes ------------------------------------------------------------------------------------------------ */
+
+static bool is_parameter(const ssfr_axis *axis)
+{
+    return strchr(axis->key, '.') != NULL;
+}
+
+const char *ssfr_rig_value(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES], const char *key)
+{
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, key);
+    assert(axis);
+    return axis->values[index[axis - spec->axes]];
+}
+
+bool ssfr_rig_size(const char *text, int size[2])
+{
+    char *end = NULL;
+    const long w = strtol(text, &end, 10);
+    const bool digits = text[strspn(text, "0123456789x")] == '\0' && end != text && *end == 'x' && end[1] != '\0';
+    const long h = digits ? strtol(end + 1, &end, 10) : 0;
+    const bool ok = digits && *end == '\0' && w >= 1 && w <= SSFR_MAX_SIZE && h >= 1 && h <= SSFR_MAX_SIZE;
+    if (ok) size[0] = (int)w, size[1] = (int)h;
+    return ok;
+}
+
+/* ---- checks -------------------------------------------------------------------------------------------------------- */
+
+static ssfr_result check_key(const ssfr_graph *graph, const ssfr_pipeline *pipeline, const char *where, const char *key)
+{
+    if (ssfr_graph_row(graph, key)) return SSFR_OK;
+    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: %s: pipeline %s has no such parameter (ssfr pipelines %s lists them)", where, key,
+                     ssfr_pipeline_name(pipeline), ssfr_pipeline_name(pipeline));
+}
+
+static ssfr_result apply(ssfr_graph *graph, const ssfr_pipeline *pipeline, const ssfr_settings *settings)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < settings->n; i++) {
+        const ssfr_setting *s = &settings->items[i];
+        SSFR_TRY(check_key(graph, pipeline, s->where, s->key));
+        SSFR_TRY(ssfr_graph_set(graph, s->key, s->value));
+    }
+end:
+    return result;
+}
+
+static ssfr_result check_scene(const char *where, const char *name)
+{
+    if (ssfr_builtin_find(name) || access(name, R_OK) == 0) return SSFR_OK;
+    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: scene %s: neither a built-in scene nor a file that can be read: %s", where, name,
+                     strerror(errno));
+}
+
+static ssfr_result check_own(const ssfr_axis *axis, const char *value)
+{
+    int size[2];
+    if (strcmp(axis->key, "scene") == 0) return check_scene(axis->where, value);
+    if (strcmp(axis->key, "size") == 0 && !ssfr_rig_size(value, size))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: size %s: expected WxH, sides from 1 to %d px", axis->where, value, SSFR_MAX_SIZE);
+    if (strcmp(axis->key, "backend") == 0 && strcmp(value, "gl") != 0 && strcmp(value, "cpu") != 0)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: backend %s: expected gl or cpu", axis->where, value);
+    return SSFR_OK;
+}
+
+static ssfr_result check_axis(ssfr_graph *graph, const ssfr_pipeline *pipeline, const ssfr_axis *axis)
+{
+    ssfr_result result = SSFR_OK;
+    if (is_parameter(axis)) SSFR_TRY(check_key(graph, pipeline, axis->where, axis->key));
+    for (size_t i = 0; i < axis->n; i++)
+        SSFR_TRY(is_parameter(axis) ? ssfr_graph_set(graph, axis->key, axis->values[i]) : check_own(axis, axis->values[i]));
+end:
+    return result;
+}
+
+ssfr_result ssfr_rig_check(const ssfr_sweep_spec *spec, const ssfr_pipeline *pipeline)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_graph *graph = NULL;
+    SSFR_TRY(ssfr_graph_create(&graph, pipeline, NULL));
+    SSFR_TRY(apply(graph, pipeline, &spec->settings));
+    SSFR_TRY(apply(graph, pipeline, &spec->reference));
+    for (int i = 0; i < spec->n_axes; i++) SSFR_TRY(check_axis(graph, pipeline, &spec->axes[i]));
+end:
+    ssfr_graph_destroy(&graph);
+    return result;
+}
+
+/* ---- the rig ------------------------------------------------------------------------------------------------------- */
+
+static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig_options *o, ssfr_gl *gl)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_graph_create(out, o->pipeline, gl));
+    SSFR_TRY(ssfr_shot_want(*out, o->pipeline));
+    SSFR_TRY(apply(*out, o->pipeline, &o->spec->settings));
+end:
+    return result;
+}
+
+ssfr_result ssfr_rig_create(ssfr_rig **out, const ssfr_rig_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_rig *rig = NULL;
+    *out = NULL;
+    SSFR_TRY(ssfr_alloc(&rig, 1, sizeof *rig, "a rig"));
+    rig->o = options;
+    if (options->gl) SSFR_TRY(new_graph(&rig->gl, options, options->gl));
+    SSFR_TRY(new_graph(&rig->cpu, options, NULL));
+    if (options->spec->has_reference) {
+        SSFR_TRY(new_graph(&rig->reference, options, NULL));
+        SSFR_TRY(apply(rig->reference, options->pipeline, &options->spec->reference));
+    }
+    *out = rig;
+    rig = NULL;
+end:
+    ssfr_rig_destroy(&rig);
+    return result;
+}
+
+static void forget(cached *c)
+{
+    ssfr_shot_finish(&c->shot);
+    ssfr_measured_destroy(&c->measured);
+    c->valid = false;
+}
+
+void ssfr_rig_destroy(ssfr_rig **rig)
+{
+    ssfr_rig *r = *rig;
+    if (!r) return;
+    forget(&r->twin);
+    forget(&r->of_reference);
+    ssfr_shot_finish(&r->shot);
+    ssfr_graph_destroy(&r->gl);
+    ssfr_graph_destroy(&r->cpu);
+    ssfr_graph_destroy(&r->reference);
+    ssfr_stage_destroy(&r->stage);
+    free(r);
+    *rig = NULL;
+}
+
+const ssfr_graph *ssfr_rig_graph(const ssfr_rig *rig)
+{
+    return rig->cpu;
+}
+
+/* ---- one run ------------------------------------------------------------------------------------------------------- */
+
+static ssfr_result set_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(rig->o->spec, "scene");
+    const size_t scene = index[axis - rig->o->spec->axes];
+    ssfr_stage_options options = rig->o->stage;
+    ssfr_rig_size(ssfr_rig_value(rig->o->spec, index, "size"), options.size);
+    if (rig->staged && rig->scene == scene) return ssfr_stage_aim(rig->stage, &options);
+    rig->staged = false;
+    ssfr_stage_destroy(&rig->stage);
+    SSFR_TRY(ssfr_stage_create(&rig->stage, axis->values[scene], &options));
+    rig->scene = scene;
+    rig->staged = true;
+end:
+    return result;
+}
+
+ssfr_result ssfr_rig_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], const ssfr_stage **out)
+{
+    const ssfr_result result = set_stage(rig, index);
+    *out = result == SSFR_OK ? rig->stage : NULL;
+    return result;
+}
+
+static ssfr_result set_parameters(const ssfr_rig *rig, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES])
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_sweep_spec *spec = rig->o->spec;
+    for (int i = 0; i < spec->n_axes && result == SSFR_OK; i++)
+        if (is_parameter(&spec->axes[i])) result = ssfr_graph_set(graph, spec->axes[i].key, spec->axes[i].values[index[i]]);
+    return result;
+}
+
+static ssfr_result take(const ssfr_rig *rig, ssfr_shot *shot, const ssfr_graph *graph)
+{
+    const ssfr_camera *camera = &rig->stage->scene.camera;
+    return ssfr_shot_take(shot, graph, rig->o->pipeline, camera->w, camera->h);
+}
+
+/* Two runs agree in all axes, or in scene and size alone, which is what the reference depends on. */
+static bool same_run(const ssfr_sweep_spec *spec, const size_t a[SSFR_MAX_AXES], const size_t b[SSFR_MAX_AXES], bool reference)
+{
+    bool same = true;
+    for (int i = 0; i < spec->n_axes; i++) {
+        const bool backend = strcmp(spec->axes[i].key, "backend") == 0;
+        if (!backend && !(reference && is_parameter(&spec->axes[i]))) same &= a[i] == b[i];
+    }
+    return same;
+}
+
+static ssfr_result ensure_reference(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    ssfr_result result = SSFR_OK;
+    cached *c = &rig->of_reference;
+    if (c->valid && same_run(rig->o->spec, c->index, index, true)) return SSFR_OK;
+    forget(c);
+    SSFR_TRY(ssfr_graph_run(rig->reference, &rig->stage->scene, NULL));
+    SSFR_TRY(take(rig, &c->shot, rig->reference));
+    memcpy(c->index, index, sizeof c->index);
+    c->valid = true;
+end:
+    return result;
+}
+
+/* The CPU twin of a run, measured when asked for. */
+static ssfr_result ensure_twin(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], bool measured)
+{
+    ssfr_result result = SSFR_OK;
+    cached *c = &rig->twin;
+    if (c->valid && same_run(rig->o->spec, c->index, index, false) && (c->measured || !measured)) return SSFR_OK;
+    forget(c);
+    SSFR_TRY(set_parameters(rig, rig->cpu, index));
+    if (measured)
+        SSFR_TRY(ssfr_measure_graph(&c->measured, rig->cpu, &rig->stage->scene, &rig->o->measure));
+    else
+        SSFR_TRY(ssfr_graph_run(rig->cpu, &rig->stage->scene, NULL));
+    SSFR_TRY(take(rig, &c->shot, rig->cpu));
+    memcpy(c->index, index, sizeof c->index);
+    c->valid = true;
+end:
+    return result;
+}
+
+static void put_times(const ssfr_measured *m, double bandwidth, double values[SSFR_N_COLUMNS])
+{
+    values[SSFR_COLUMN_ms_min] = m->frame.min;
+    values[SSFR_COLUMN_ms_median] = m->frame.median;
+    values[SSFR_COLUMN_ms_mad] = m->frame.mad;
+    values[SSFR_COLUMN_runs] = (double)m->frame.n;
+    values[SSFR_COLUMN_outliers] = (double)m->frame.outliers;
+    values[SSFR_COLUMN_taps] = m->taps;
+    values[SSFR_COLUMN_iterations] = m->iterations;
+    values[SSFR_COLUMN_bytes] = m->bytes;
+    values[SSFR_COLUMN_roofline] = ssfr_measure_roofline(m->frame.median, m->bytes, bandwidth);
+}
+
+static ssfr_result run_gl(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_measured *measured = NULL;
+    SSFR_TRY(set_parameters(rig, rig->gl, index));
+    SSFR_TRY(ssfr_measure_graph(&measured, rig->gl, &rig->stage->scene, &rig->o->measure));
+    put_times(measured, rig->o->bandwidth_gl, values);
+    SSFR_TRY(take(rig, &rig->shot, rig->gl));
+end:
+    ssfr_measured_destroy(&measured);
+    return result;
+}
+
+/* The next run is the same on the CPU: then the twin is measured now and serves both. */
+static bool cpu_is_next(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES])
+{
+    const int last = spec->n_axes - 1;
+    const ssfr_axis *axis = &spec->axes[last];
+    return strcmp(axis->key, "backend") == 0 && index[last] + 1 < axis->n && strcmp(axis->values[index[last] + 1], "cpu") == 0;
+}
+
+static ssfr_result compare(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], const ssfr_shot *shot,
+                           double values[SSFR_N_COLUMNS])
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_shot_count_nan(shot, values));
+    if (rig->reference) {
+        SSFR_TRY(ensure_reference(rig, index));
+        SSFR_TRY(ssfr_shot_compare_reference(shot, &rig->of_reference.shot, values));
+    }
+end:
+    return result;
+}
+
+ssfr_result ssfr_rig_run(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_rig_options *o = rig->o;
+    const bool on_gpu = strcmp(ssfr_rig_value(o->spec, index, "backend"), "gl") == 0;
+    for (int i = 0; i < SSFR_N_COLUMNS; i++) values[i] = NAN;
+    SSFR_TRY(set_stage(rig, index));
+    if (on_gpu) {
+        SSFR_TRY(run_gl(rig, index, values));
+        SSFR_TRY(compare(rig, index, &rig->shot, values));
+        if (o->no_twin) goto end;
+        SSFR_TRY(ensure_twin(rig, index, cpu_is_next(o->spec, index)));
+        SSFR_TRY(ssfr_shot_compare_twin(&rig->shot, &rig->twin.shot, values));
+    } else {
+        SSFR_TRY(ensure_twin(rig, index, true));
+        put_times(rig->twin.measured, o->bandwidth_cpu, values);
+        SSFR_TRY(compare(rig, index, &rig->twin.shot, values));
+    }
+end:
+    return result;
+}

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shot.c: reading a frame and measuring it against its twin and against a reference. */
+#include "experiments/shot.h"
+
+#include "graph/pass.h"
+#include "metrics/metrics.h"
+
+typedef struct measure { /* one column: a metric of a part */
+    ssfr_column_id column;
+    ssfr_shot_part part;
+    const char *metric;
+} measure;
+
+static const measure twin_measures[] = {
+    {SSFR_COLUMN_twin_depth_rms, SSFR_SHOT_DEPTH, "depth_rms"},
+    {SSFR_COLUMN_twin_depth_max, SSFR_SHOT_DEPTH, "depth_max"},
+    {SSFR_COLUMN_twin_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg"},
+    {SSFR_COLUMN_twin_psnr, SSFR_SHOT_COLOUR, "psnr"},
+};
+
+static const measure reference_measures[] = {
+    {SSFR_COLUMN_ref_depth_rms, SSFR_SHOT_DEPTH, "depth_rms"},
+    {SSFR_COLUMN_ref_depth_mean, SSFR_SHOT_DEPTH, "depth_mean"},
+    {SSFR_COLUMN_ref_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg"},
+    {SSFR_COLUMN_ref_iou, SSFR_SHOT_DEPTH, "silhouette_iou"},
+    {SSFR_COLUMN_ref_psnr, SSFR_SHOT_COLOUR, "psnr"},
+    {SSFR_COLUMN_ref_ssim, SSFR_SHOT_COLOUR, "ssim"},
+};
+
+/* ---- reading ------------------------------------------------------------------------------------------------------ */
+
+/* The slot of a part, NULL when the pipeline does not write it. */
+static const char *slot_of(const ssfr_graph *graph, const ssfr_pipeline *pipeline, ssfr_shot_part part)
+{
+    const char *const names[SSFR_SHOT_PARTS] = {ssfr_slots[pipeline->result].name, "surface_depth", "normal"};
+    const char *found = NULL;
+    for (int i = 0; ssfr_graph_slot_at(graph, i) && !found; i++)
+        if (strcmp(ssfr_graph_slot_at(graph, i), names[part]) == 0) found = names[part];
+    return found;
+}
+
+ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline)
+{
+    ssfr_result result = SSFR_OK;
+    for (int part = 0; part < SSFR_SHOT_PARTS && result == SSFR_OK; part++) {
+        const char *slot = slot_of(graph, pipeline, (ssfr_shot_part)part);
+        if (slot) result = ssfr_graph_want(graph, slot);
+    }
+    return result;
+}
+
+/* An image that was left out is one neutral pixel: repeated, it compares with any other. */
+static ssfr_result widen(ssfr_field **field, int w, int h)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_field *small = *field, *wide = NULL;
+    if (small->w != 1 || small->h != 1 || (w == 1 && h == 1)) return SSFR_OK;
+    SSFR_TRY(ssfr_field_create(&wide, w, h, small->c));
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++)
+            memcpy(ssfr_field_at(wide, x, y), small->data, (size_t)small->c * sizeof *small->data);
+    ssfr_field_destroy(field);
+    *field = wide;
+end:
+    return result;
+}
+
+ssfr_result ssfr_shot_take(ssfr_shot *shot, const ssfr_graph *graph, const ssfr_pipeline *pipeline, int w, int h)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_shot_finish(shot);
+    for (int part = 0; part < SSFR_SHOT_PARTS; part++) {
+        const char *slot = slot_of(graph, pipeline, (ssfr_shot_part)part);
+        if (!slot) continue;
+        SSFR_TRY(ssfr_graph_read(graph, slot, &shot->parts[part]));
+        SSFR_TRY(widen(&shot->parts[part], w, h));
+    }
+end:
+    return result;
+}
+
+void ssfr_shot_finish(ssfr_shot *shot)
+{
+    for (int part = 0; part < SSFR_SHOT_PARTS; part++) ssfr_field_destroy(&shot->parts[part]);
+}
+
+/* ---- comparing ---------------------------------------------------------------------------------------------------- */
+
+static ssfr_result run_measures(const ssfr_shot *shot, const ssfr_shot *other, size_t n, const measure *measures,
+                                double values[SSFR_N_COLUMNS])
+{
+    ssfr_result result = SSFR_OK;
+    for (size_t i = 0; i < n; i++) {
+        const ssfr_field *a = shot->parts[measures[i].part], *b = other->parts[measures[i].part];
+        const ssfr_metric *metric = ssfr_metric_find(measures[i].metric);
+        if (a && b) SSFR_TRY(ssfr_metric_measure(metric, a, b, NULL, &values[measures[i].column]));
+    }
+end:
+    return result;
+}
+
+ssfr_result ssfr_shot_count_nan(const ssfr_shot *shot, double values[SSFR_N_COLUMNS])
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_metric *metric = ssfr_metric_find("nan_count");
+    double sum = 0;
+    for (int part = 0; part < SSFR_SHOT_PARTS; part++) {
+        double n = 0;
+        if (shot->parts[part]) SSFR_TRY(ssfr_metric_measure(metric, shot->parts[part], shot->parts[part], NULL, &n));
+        sum += n;
+    }
+    values[SSFR_COLUMN_nan_count] = sum;
+end:
+    return result;
+}
+
+ssfr_result ssfr_shot_compare_twin(const ssfr_shot *shot, const ssfr_shot *twin, double values[SSFR_N_COLUMNS])
+{
+    return run_measures(shot, twin, SSFR_COUNT(twin_measures), twin_measures, values);
+}
+
+ssfr_result ssfr_shot_compare_reference(const ssfr_shot *shot, const ssfr_shot *reference, double values[SSFR_N_COLUMNS])
+{
+    return run_measures(shot, reference, SSFR_COUNT(reference_measures), reference_measures, values);
+}

@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sweep.c: the product of the axes, row by row into a CSV that can be gone on with. */
+#include "experiments/sweep.h"
+#include "experiments/console.h"
+#include "experiments/csv.h"
+#include "experiments/meta.h"
+#include "experiments/plot.h"
+#include "experiments/rig.h"
+#include "experiments/setup.h"
+
+#include <errno.h>
+#include <signal.h>
+
+/* Columns behind the parameters that tell one row from another. */
+static const char *const own_keys[] = {"scene", "pipeline", "backend", "width", "height"};
+
+enum { N_OWN = SSFR_COUNT(own_keys), MAX_KEYS = SSFR_MAX_AXES + N_OWN, MAX_COLUMNS = MAX_KEYS + 1 + SSFR_N_COLUMNS };
+
+typedef struct sweep {
+    const ssfr_sweep_spec *spec;
+    const ssfr_sweep_options *o;
+    const ssfr_pipeline *pipeline;
+    ssfr_gl *gl;
+    ssfr_rig_options rig_options;
+    ssfr_rig *rig;
+    ssfr_csv *csv;
+    size_t n_runs, group; /* consecutive runs that stay in one shard */
+    int n_keys, n_columns;
+    char headers[MAX_COLUMNS][256];
+    const char *columns[MAX_COLUMNS];
+    size_t n_failed;
+} sweep;
+
+/* ---- the runs ------------------------------------------------------------------------------------------------------ */
+
+/* Runs that differ in the backend alone share a twin, so a shard takes them together. */
+static ssfr_result count_runs(sweep *s)
+{
+    const ssfr_axis *last = &s->spec->axes[s->spec->n_axes - 1];
+    s->group = strcmp(last->key, "backend") == 0 ? last->n : 1;
+    return ssfr_sweep_spec_count(s->spec, &s->n_runs);
+}
+
+static bool in_shard(const sweep *s, size_t run)
+{
+    return run / s->group % s->o->shards == s->o->shard - 1;
+}
+
+typedef struct key {
+    const char *cells[MAX_KEYS];
+    char width[16], height[16];
+} key;
+
+static void fill_key(const sweep *s, const size_t index[SSFR_MAX_AXES], key *k)
+{
+    int n = 0, size[2] = {0, 0};
+    for (int i = 0; i < s->spec->n_axes; i++)
+        if (strchr(s->spec->axes[i].key, '.')) k->cells[n++] = s->spec->axes[i].values[index[i]];
+    ssfr_rig_size(ssfr_rig_value(s->spec, index, "size"), size);
+    snprintf(k->width, sizeof k->width, "%d", size[0]);
+    snprintf(k->height, sizeof k->height, "%d", size[1]);
+    k->cells[n++] = ssfr_rig_value(s->spec, index, "scene");
+    k->cells[n++] = ssfr_pipeline_name(s->pipeline);
+    k->cells[n++] = ssfr_rig_value(s->spec, index, "backend");
+    k->cells[n++] = k->width;
+    k->cells[n++] = k->height;
+}
+
+/* ---- columns ------------------------------------------------------------------------------------------------------- */
+
+static void add_column(sweep *s, const char *name, const char *unit)
+{
+    ssfr_column_header(name, unit, s->headers[s->n_columns], sizeof s->headers[0]);
+    s->columns[s->n_columns] = s->headers[s->n_columns];
+    s->n_columns++;
+}
+
+static ssfr_result name_columns(sweep *s)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_graph *graph = NULL;
+    SSFR_TRY(ssfr_graph_create(&graph, s->pipeline, NULL)); /* knows the units */
+    for (int i = 0; i < s->spec->n_axes; i++) {
+        const char *name = s->spec->axes[i].key;
+        if (strchr(name, '.')) add_column(s, name, ssfr_graph_row(graph, name)->unit);
+    }
+    for (size_t i = 0; i < N_OWN; i++) add_column(s, own_keys[i], "1");
+    s->n_keys = s->n_columns;
+    add_column(s, "status", "1");
+    for (int i = 0; i < SSFR_N_COLUMNS; i++) add_column(s, ssfr_columns[i].name, ssfr_columns[i].unit);
+end:
+    ssfr_graph_destroy(&graph);
+    return result;
+}
+
+static bool has_column(const sweep *s, const char *name)
+{
+    bool found = ssfr_column_find(name) != NULL || ssfr_sweep_spec_axis(s->spec, name) != NULL;
+    for (size_t i = 0; i < N_OWN; i++) found |= strcmp(own_keys[i], name) == 0;
+    return found && strcmp(name, "size") != 0;
+}
+
+/* A plot that cannot be drawn must not be found out after the last run. */
+static ssfr_result check_plot(const sweep *s)
+{
+    const ssfr_plot_spec *p = &s->spec->plot;
+    const char *names[2 + SSFR_MAX_LINES] = {p->x, p->y};
+    for (int i = 0; i < p->n_lines; i++) names[2 + i] = p->lines[i];
+    for (int i = 0; p->x && i < 2 + p->n_lines; i++)
+        if (!has_column(s, names[i])) return ssfr_fail(SSFR_ERR_UNKNOWN, "plot: the table will have no column %s", names[i]);
+    return SSFR_OK;
+}
+
+/* ---- rows ---------------------------------------------------------------------------------------------------------- */
+
+/* While a run is made its errors go to its row; the rest of the log goes where it always goes. */
+static char run_error[512];
+
+static void keep_error(void *user, ssfr_level level, const char *where, const char *text)
+{
+    (void)user, (void)where;
+    if (level == SSFR_ERROR) {
+        if (!run_error[0]) snprintf(run_error, sizeof run_error, "%s", text);
+        return;
+    }
+    ssfr_console_open("sweep");
+    ssfr_log(level, "%s", text);
+    ssfr_log_to(keep_error, NULL);
+}
+
+static ssfr_result write_row(sweep *s, const key *k, const char *status, const double values[SSFR_N_COLUMNS])
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < s->n_keys; i++) SSFR_TRY(ssfr_csv_text(s->csv, k->cells[i]));
+    SSFR_TRY(ssfr_csv_text(s->csv, status));
+    for (int i = 0; i < SSFR_N_COLUMNS; i++) SSFR_TRY(ssfr_csv_number(s->csv, values[i]));
+    SSFR_TRY(ssfr_csv_end_row(s->csv));
+end:
+    return result;
+}
+
+/* A run that fails is a row that says why. */
+static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const key *k)
+{
+    double values[SSFR_N_COLUMNS];
+    run_error[0] = '\0';
+    ssfr_log_to(keep_error, NULL);
+    const ssfr_result made = ssfr_rig_run(s->rig, index, values);
+    ssfr_console_open("sweep");
+    s->n_failed += made != SSFR_OK;
+    return write_row(s, k, made == SSFR_OK ? "ok" : run_error[0] ? run_error : ssfr_result_text(made), values);
+}
+
+static volatile sig_atomic_t stop;
+
+static void ask_to_stop(int number)
+{
+    (void)number;
+    stop = 1;
+}
+
+/* The first signal lets the row be finished, the second ends the process. */
+static void catch_signals(void)
+{
+    struct sigaction action = {.sa_handler = ask_to_stop, .sa_flags = (int)SA_RESETHAND};
+    sigemptyset(&action.sa_mask);
+    stop = 0;
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+/* Makes the runs of this shard that the table lacks, or counts them. */
+static ssfr_result visit_runs(sweep *s, bool count_only, size_t *n)
+{
+    ssfr_result result = SSFR_OK;
+    const size_t total = *n;
+    size_t done = 0;
+    for (size_t i = 0; i < s->n_runs && !stop; i++) {
+        size_t index[SSFR_MAX_AXES];
+        key k;
+        if (!in_shard(s, i)) continue;
+        ssfr_sweep_spec_run(s->spec, i, index);
+        fill_key(s, index, &k);
+        if (ssfr_csv_has(s->csv, k.cells)) continue;
+        if (!count_only) {
+            ssfr_console_progress("sweep", done, total);
+            SSFR_TRY(make_row(s, index, &k));
+        }
+        done++;
+    }
+end:
+    if (!count_only) ssfr_console_progress("sweep", total, total);
+    *n = done;
+    return result;
+}
+
+/* ---- what a table's rows have in common ------------------------------------------------------------------------------ */
+
+static uint64_t hash_settings(uint64_t hash, const ssfr_settings *settings)
+{
+    for (int i = 0; i < settings->n; i++)
+        hash = ssfr_hash_text(ssfr_hash_text(hash, settings->items[i].key), settings->items[i].value);
+    return ssfr_hash_text(hash, "");
+}
+
+/* Rows measured with other settings, another view or on other hardware must not stand in one table. */
+static uint64_t identity_of(const sweep *s)
+{
+    const ssfr_stage_options *v = &s->o->stage;
+    char text[512];
+    uint64_t hash = ssfr_hash_text(SSFR_HASH, ssfr_pipeline_name(s->pipeline));
+    hash = hash_settings(hash_settings(hash, &s->spec->settings), &s->spec->reference);
+    snprintf(text, sizeof text, "%d %ld %d %g %g %g %g %g %g %g %g %g %g %g %d %d", s->spec->has_reference, s->o->seed,
+             v->drop_nonfinite, v->radius, v->fov_deg, v->eye[0], v->eye[1], v->eye[2], v->target[0], v->target[1],
+             v->target[2], v->up[0], v->up[1], v->up[2], s->o->quick, s->o->no_twin);
+    hash = ssfr_hash_text(hash, text);
+    ssfr_meta_processor(text, sizeof text);
+    hash = ssfr_hash_text(hash, text);
+    return s->gl ? ssfr_hash_text(hash, ssfr_gl_renderer(s->gl)) : hash;
+}
+
+/* Loads each scene once before the first run: a file that is malformed is found out, and its content recorded. */
+static ssfr_result record_scenes(sweep *s, ssfr_record *records, uint64_t *identity)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(s->spec, "scene");
+    size_t index[SSFR_MAX_AXES] = {0};
+    for (size_t i = axis->n; i-- > 0 && result == SSFR_OK;) { /* the first is the last: it is the first to be run */
+        const ssfr_stage *stage;
+        index[axis - s->spec->axes] = i;
+        SSFR_TRY(ssfr_rig_stage(s->rig, index, &stage));
+        const uint64_t hash = ssfr_hash_particles(stage->particles);
+        *identity = ssfr_hash_bytes(*identity, &hash, sizeof hash);
+        SSFR_TRY(ssfr_meta_record_scene(&records[i], stage));
+    }
+end:
+    return result;
+}
+
+static ssfr_result begin_table(sweep *s)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_axis *scenes = ssfr_sweep_spec_axis(s->spec, "scene");
+    ssfr_record *records = NULL;
+    uint64_t identity = identity_of(s);
+    SSFR_TRY(ssfr_alloc(&records, scenes->n, sizeof *records, "records of scenes"));
+    SSFR_TRY(record_scenes(s, records, &identity));
+    SSFR_TRY(ssfr_csv_create(&s->csv, s->o->output, s->n_columns, s->columns, s->n_keys, s->o->resume));
+    if (!s->o->output) goto end;
+    if (ssfr_csv_resumed(s->csv)) SSFR_TRY(ssfr_meta_check(s->o->output, identity));
+    const ssfr_meta meta = {.argc = s->o->argc, .argv = s->o->argv, .seed = s->o->seed, .identity = identity, .gl = s->gl,
+                            .pipeline = ssfr_pipeline_name(s->pipeline), .graph = ssfr_rig_graph(s->rig), .spec = s->spec,
+                            .n_scenes = (int)scenes->n, .scenes = records,
+                            .bandwidth_gl = s->rig_options.bandwidth_gl, .bandwidth_cpu = s->rig_options.bandwidth_cpu};
+    SSFR_TRY(ssfr_meta_save(s->o->output, &meta));
+end:
+    for (size_t i = 0; records && i < scenes->n; i++) ssfr_record_finish(&records[i]);
+    free(records);
+    return result;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------------------------------ */
+
+static ssfr_result dry_run(sweep *s)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_csv_create(&s->csv, NULL, s->n_keys, s->columns, s->n_keys, false));
+    for (size_t i = 0; i < s->n_runs; i++) {
+        size_t index[SSFR_MAX_AXES];
+        key k;
+        if (!in_shard(s, i)) continue;
+        ssfr_sweep_spec_run(s->spec, i, index);
+        fill_key(s, index, &k);
+        for (int c = 0; c < s->n_keys; c++) SSFR_TRY(ssfr_csv_text(s->csv, k.cells[c]));
+        SSFR_TRY(ssfr_csv_end_row(s->csv));
+    }
+end:
+    return result;
+}
+
+static bool uses_backend(const ssfr_sweep_spec *spec, const char *name)
+{
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, "backend");
+    bool found = false;
+    for (size_t i = 0; i < axis->n; i++) found |= strcmp(axis->values[i], name) == 0;
+    return found;
+}
+
+static ssfr_result make_rig(sweep *s)
+{
+    ssfr_result result = SSFR_OK;
+    const bool on_gpu = uses_backend(s->spec, "gl");
+    ssfr_rig_options *r = &s->rig_options;
+    if (on_gpu) SSFR_TRY(ssfr_gl_create(&s->gl, SSFR_GL_OWN));
+    *r = (ssfr_rig_options){.spec = s->spec, .pipeline = s->pipeline, .gl = s->gl, .stage = s->o->stage,
+                            .measure = ssfr_measure_defaults(s->o->quick), .bandwidth_gl = NAN, .no_twin = s->o->no_twin};
+    r->measure.max_seconds = s->o->max_time;
+    r->bandwidth_cpu = ssfr_measure_copy_bandwidth(NULL);
+    if (on_gpu) r->bandwidth_gl = ssfr_gl_is_software(s->gl) ? r->bandwidth_cpu : ssfr_measure_copy_bandwidth(s->gl);
+    SSFR_TRY(ssfr_rig_create(&s->rig, r));
+end:
+    return result;
+}
+
+static ssfr_result draw_plot(const sweep *s)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_csv_table *table = NULL;
+    char *svg = NULL;
+    ssfr_plot_spec spec = s->spec->plot;
+    if (!spec.title) spec.title = s->spec->title;
+    SSFR_TRY(ssfr_meta_path(&svg, s->o->output, ".svg"));
+    SSFR_TRY(ssfr_csv_load(&table, s->o->output));
+    SSFR_TRY(ssfr_plot_save(svg, table, &spec));
+end:
+    ssfr_csv_table_destroy(&table);
+    free(svg);
+    return result;
+}
+
+static ssfr_result run(sweep *s)
+{
+    ssfr_result result = SSFR_OK;
+    size_t n = 0;
+    const double begun = ssfr_clock();
+    SSFR_TRY(make_rig(s));
+    SSFR_TRY(begin_table(s));
+    SSFR_TRY(visit_runs(s, true, &n));
+    const size_t todo = n;
+    catch_signals();
+    SSFR_TRY(visit_runs(s, false, &n));
+    ssfr_log(SSFR_INFO, "%zu of %zu runs in %.1f s", n, todo, ssfr_clock() - begun);
+    if (s->n_failed) ssfr_log(SSFR_WARNING, "%zu of %zu runs failed: their column status says why", s->n_failed, n);
+    if (n < todo)
+        result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu runs%s", n, todo,
+                           s->o->output ? "; the same command with --resume goes on from there" : "");
+    else if (s->o->output && s->spec->plot.x && !s->o->no_plot)
+        SSFR_TRY(draw_plot(s));
+end:
+    return result;
+}
+
+ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    sweep *s = NULL;
+    SSFR_TRY(ssfr_alloc(&s, 1, sizeof *s, "a sweep"));
+    s->spec = spec;
+    s->o = options;
+    SSFR_TRY(ssfr_setup_find_pipeline(&s->pipeline, spec->pipeline ? spec->pipeline : "vanderlaan2009"));
+    SSFR_TRY(ssfr_rig_check(spec, s->pipeline));
+    SSFR_TRY(count_runs(s));
+    SSFR_TRY(name_columns(s));
+    SSFR_TRY(check_plot(s));
+    SSFR_TRY(options->dry_run ? dry_run(s) : run(s));
+end:
+    if (s) {
+        ssfr_csv_destroy(&s->csv);
+        ssfr_rig_destroy(&s->rig);
+        ssfr_gl_destroy(&s->gl);
+    }
+    free(s);
+    return result;
+}

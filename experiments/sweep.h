@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sweep.h: running a sweep into a table, with what it depends on beside it and a plot at the end. */
+#ifndef SSFR_SWEEP_H
+#define SSFR_SWEEP_H
+
+#include "experiments/stage.h"
+#include "experiments/sweep_spec.h"
+
+typedef struct ssfr_sweep_options {
+    const char *output; /* NULL: standard output, without metadata and plot */
+    bool resume, dry_run, quick, no_plot, no_twin;
+    double max_time;     /* s of timed frames a run; 0: no cap */
+    size_t shard, shards; /* the shard-th of shards, from 1 */
+    ssfr_stage_options stage; /* but for the size */
+    int argc;            /* the command line, for the metadata */
+    char **argv;
+    long seed;
+} ssfr_sweep_options;
+
+/* Runs the full product of a complete spec in order. SIGINT or SIGTERM lets the row in progress be finished; then it fails. */
+SSFR_MUST ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options *options);
+
+#endif
