@@ -72,13 +72,12 @@ void main()
 {
     ivec2 p = ivec2(gl_FragCoord.xy);
     float z = fetch(t_depth, p).x;
-    o_color = vec4(fetch(t_scene_color, p).rgb, 1.0);
-    if (!is_surface(z)) return;
+    if (!is_surface(z)) discard; // the scene shows
     vec3 position = vec3(slope_at(gl_FragCoord.xy) * -z, z), view = normalize(-position);
     vec3 n = fetch(t_normal, p).xyz;
     float thickness = fetch(t_thickness, p).x, cosine = clamp(dot(n, view), 0.0, 1.0);
     vec3 behind = refracted(z, shift(n, view, position, cosine, thickness));
     vec3 k = u_single != 0 ? vec3(u_attenuation) : frame.absorption.rgb;
     behind = mix(frame.fluid.rgb, behind, exp(-k * thickness));
-    o_color.rgb = mix(behind, reflected(n, view, position), fresnel(cosine)) + highlight(n, view);
+    o_color = vec4(mix(behind, reflected(n, view, position), fresnel(cosine)) + highlight(n, view), 1.0);
 }

@@ -3,10 +3,18 @@
 
 uniform float u_radius; // m
 
+#ifdef EXACT
 flat in vec3 v_centre;
+#else
 flat in vec4 v_disc;
-flat in float v_half;
+flat in float v_z;
+#endif
+#ifdef POINT
+uniform float u_max_point_px;
+#endif
+#ifdef PARTICLE
 flat in uint v_particle;
+#endif
 
 struct Fragment {
     vec2 at;     // place on the sprite, right and down, in radii
@@ -37,10 +45,14 @@ Fragment meet_sphere()
     vec2 away = gl_FragCoord.xy - v_disc.xy;
     f.at = away / v_disc.zw;
     f.r2 = dot(f.at, f.at);
-    if (f.r2 > 1.0 || max(abs(away.x), abs(away.y)) > v_half) discard;
+    if (f.r2 > 1.0) discard;
+#ifdef POINT
+    float side = min(2.0 * max(v_disc.z, v_disc.w) + 2.0, u_max_point_px);
+    if (2.0 * max(abs(away.x), abs(away.y)) > side) discard;
+#endif
     float rise = u_radius * sqrt(1.0 - f.r2);
-    f.front = v_centre.z + rise;
-    f.back = v_centre.z - rise;
+    f.front = v_z + rise;
+    f.back = v_z - rise;
     f.chord = 2.0 * rise;
 #endif
     float near = frame.horizon.w;

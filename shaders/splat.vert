@@ -8,10 +8,15 @@ uniform float u_radius;       // m
 uniform float u_max_point_px;
 uniform int u_by_distance;    // shrink by the distance, not by the depth
 
-flat out vec3 v_centre;       // m, eye space
-flat out vec4 v_disc;         // centre and radius of the disc, px
-flat out float v_half;        // px, half a point's side
+#ifdef EXACT
+flat out vec3 v_centre; // m, eye space
+#else
+flat out vec4 v_disc;   // centre and radius of the disc, px
+flat out float v_z;     // m, of the centre
+#endif
+#ifdef PARTICLE
 flat out uint v_particle;
+#endif
 
 #ifdef EXACT
 // Tangents from the eye to the sphere's circle in the plane of one image axis, px; the whole image when it has none.
@@ -29,24 +34,24 @@ void main()
 #ifdef POINT
     int i = gl_VertexID;
 #else
-    int i = gl_VertexID / 6;
-    const vec2 corners[6] = vec2[](vec2(0, 0), vec2(1, 0), vec2(0, 1), vec2(0, 1), vec2(1, 0), vec2(1, 1));
-    vec2 corner = corners[gl_VertexID % 6];
+    int i = gl_VertexID >> 2; // four vertices, drawn by index
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1 & 1);
 #endif
     vec3 c = eye_position(i);
     vec2 image = frame.image.xy, lo, hi;
     bool keep;
-    v_centre = c;
+#ifdef PARTICLE
     v_particle = uint(i);
-    v_disc = vec4(0);
-    v_half = EMPTY;
+#endif
 #ifdef EXACT
+    v_centre = c;
     keep = -c.z + u_radius >= frame.horizon.w; // some of it before the near plane
     vec2 x = outline(c.x, -c.z, frame.image.z, image.x), y = outline(-c.y, -c.z, frame.image.w, image.y);
     lo = vec2(x.x, y.x);
     hi = vec2(x.y, y.y);
 #else
     float away = u_by_distance != 0 ? length(c) : -c.z;
+    v_z = c.z;
     keep = c.z <= -frame.horizon.w;
     v_disc.xy = 0.5 * image + vec2(c.x, -c.y) / -c.z / frame.image.zw;
     v_disc.zw = u_radius / (frame.image.zw * away);
@@ -54,9 +59,8 @@ void main()
     hi = v_disc.xy + v_disc.zw + 1.0;
 #endif
 #ifdef POINT
-    v_half = 0.5 * min(2.0 * max(v_disc.z, v_disc.w) + 2.0, u_max_point_px);
     keep = keep && all(greaterThanEqual(v_disc.xy, vec2(0))) && all(lessThanEqual(v_disc.xy, image));
-    gl_PointSize = 2.0 * v_half;
+    gl_PointSize = min(2.0 * max(v_disc.z, v_disc.w) + 2.0, u_max_point_px);
     vec2 p = v_disc.xy;
 #else
     vec2 p = mix(clamp(lo, vec2(0), image), clamp(hi, vec2(0), image), corner);

@@ -33,6 +33,13 @@ static void set_blend(ssfr_splat_blend blend)
     glBlendEquation(blend == SSFR_BLEND_NEAREST ? GL_MAX : GL_FUNC_ADD);
 }
 
+static void draw_quads(int first, int count)
+{
+    for (int done = 0; done < count; done += SSFR_QUAD_BATCH)
+        glDrawElementsBaseVertex(GL_TRIANGLES, 6 * ssfr_min_int(count - done, SSFR_QUAD_BATCH), GL_UNSIGNED_SHORT, NULL,
+                                 4 * (first + done));
+}
+
 ssfr_result ssfr_draw_splats(const ssfr_run *run, unsigned program, ssfr_splat_primitive primitive, ssfr_splat_blend blend)
 {
     ssfr_result result = SSFR_OK;
@@ -42,9 +49,10 @@ ssfr_result ssfr_draw_splats(const ssfr_run *run, unsigned program, ssfr_splat_p
     set_blend(blend);
     glUseProgram(program);
     glUniform2i(glGetUniformLocation(program, "u_layout"), draw->stride, draw->first);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, draw->quads);
     for (int i = 0; i < facts->n_ranges; i++) {
         if (primitive == SSFR_POINTS) glDrawArrays(GL_POINTS, facts->first[i], facts->count[i]);
-        else glDrawArrays(GL_TRIANGLES, 6 * facts->first[i], 6 * facts->count[i]);
+        else draw_quads(facts->first[i], facts->count[i]);
     }
 end:
     return result;

@@ -143,12 +143,26 @@ end:
     return result;
 }
 
+static ssfr_result make_quads(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    uint16_t *indices = NULL;
+    static const int corners[6] = {0, 1, 2, 2, 1, 3};
+    SSFR_TRY(ssfr_alloc(&indices, 6 * SSFR_QUAD_BATCH, sizeof *indices, "quad indices"));
+    for (int i = 0; i < 6 * SSFR_QUAD_BATCH; i++) indices[i] = (uint16_t)(4 * (i / 6) + corners[i % 6]);
+    SSFR_TRY(ssfr_buffer_create(graph->gl, &graph->quads, 6 * SSFR_QUAD_BATCH * sizeof *indices, indices, false));
+end:
+    free(indices);
+    return result;
+}
+
 static ssfr_result make_gl(ssfr_graph *graph)
 {
     ssfr_result result = SSFR_OK;
     SSFR_TRY(ssfr_gl_begin(graph->gl));
     for (int i = 0; i < graph->n_nodes && result == SSFR_OK; i++) result = get_programs(graph, &graph->nodes[i]);
     if (result == SSFR_OK) result = make_neutrals(graph);
+    if (result == SSFR_OK) result = make_quads(graph);
     if (result == SSFR_OK) result = ssfr_timers_create(&graph->timers, SSFR_MAX_NODES);
     if (result == SSFR_OK)
         result = ssfr_buffer_create(graph->gl, &graph->block, sizeof(ssfr_block) / sizeof(double) * sizeof(float), NULL, true);
@@ -307,7 +321,7 @@ end:
 
 static void destroy_gl(ssfr_graph *graph)
 {
-    unsigned *const buffers[] = {&graph->position, &graph->ids, &graph->offsets, &graph->tiles, &graph->block};
+    unsigned *const buffers[] = {&graph->position, &graph->ids, &graph->offsets, &graph->tiles, &graph->block, &graph->quads};
     for (size_t i = 0; i < SSFR_COUNT(buffers); i++) ssfr_buffer_destroy(buffers[i]);
     ssfr_timers_finish(&graph->timers);
 }

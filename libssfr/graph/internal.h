@@ -69,7 +69,7 @@ struct ssfr_graph {
     host_buffer host;
     ssfr_texture exported;
     /* GL buffers */
-    unsigned position, ids, offsets, tiles, block;
+    unsigned position, ids, offsets, tiles, block, quads;
     size_t cap_offsets, cap_tiles; /* entries */
     uint64_t serial, id_serial;    /* of the particles that the buffers hold */
     ssfr_timers timers;
@@ -85,6 +85,9 @@ void ssfr_plan(ssfr_graph *graph, bool keep_all);
 /* An image of this size and kind; remade only when it differs. */
 SSFR_MUST ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c);
 void ssfr_image_finish(image *im);
+
+/* The index of a port, -1 when there is none of that name or the name is NULL. */
+int ssfr_port_find(const ssfr_port *ports, const char *name);
 
 double ssfr_graph_reach(const ssfr_graph *graph);
 

@@ -38,6 +38,7 @@ typedef struct ssfr_port {
     ssfr_slot_id slot;
     const char *like; /* outputs: the input whose size it has; NULL for the frame's */
     const char *from; /* outputs: the input that takes its place when the node is left out; NULL for the neutral value */
+    const char *over; /* outputs: the input of the same size that the output begins as, to be drawn over; NULL: the neutral value */
 } ssfr_port;
 
 /* A coefficient that the shaders see as a uniform: `n` doubles at `offset` of the coefficients become float, vec2.. or int. */

@@ -2,7 +2,7 @@
 /* plan.c: one walk forward for resolutions, one backward for what is wanted. */
 #include "graph/internal.h"
 
-static int find_port(const ssfr_port *ports, const char *name)
+int ssfr_port_find(const ssfr_port *ports, const char *name)
 {
     int found = -1;
     for (int i = 0; name && ports[i].name && found < 0; i++)
@@ -16,7 +16,7 @@ static void set_divisors(ssfr_graph *graph, node *n)
     n->run.params = n->params, n->run.coeffs = n->coeffs, n->run.frame = &graph->frame;
     n->run.divisor_in = n->n_in ? graph->resources[n->in[0]].divisor : 1;
     for (int k = 0; k < n->n_out; k++) {
-        const int like = find_port(pass->inputs, pass->outputs[k].like), from = find_port(pass->inputs, pass->outputs[k].from);
+        const int like = ssfr_port_find(pass->inputs, pass->outputs[k].like), from = ssfr_port_find(pass->inputs, pass->outputs[k].from);
         int divisor = like >= 0 ? graph->resources[n->in[like]].divisor : 1;
         if (n->off) divisor = from >= 0 ? graph->resources[n->in[from]].divisor : 1;
         else if (pass->shrink) divisor *= pass->shrink(n->params);
@@ -32,7 +32,7 @@ static void stand_in(ssfr_graph *graph, const node *n)
 {
     for (int k = 0; k < n->n_out; k++) {
         resource *out = &graph->resources[n->out[k]];
-        const int from = find_port(n->pass->inputs, n->pass->outputs[k].from);
+        const int from = ssfr_port_find(n->pass->inputs, n->pass->outputs[k].from);
         if (from < 0) continue;
         out->from = n->in[from];
         if (out->wanted && !out->is_given) graph->resources[out->from].wanted = true;

@@ -116,26 +116,41 @@ end:
 
 /* ---- running a node ------------------------------------------------------------------------------------------------------ */
 
+/* What an output begins as, where the pass does not write all of it: an input to be drawn over, or the neutral value. */
+static const image *begins_as(const ssfr_graph *graph, const node *n, int k)
+{
+    const int over = ssfr_port_find(n->pass->inputs, n->pass->outputs[k].over);
+    return over >= 0 ? graph->resources[n->in[over]].image : &graph->neutral[graph->resources[n->out[k]].slot];
+}
+
+static void begin_field(ssfr_field *field, const ssfr_field *as)
+{
+    for (int y = 0; y < field->h; y++)
+        for (int x = 0; x < field->w; x++)
+            memcpy(ssfr_field_at(field, x, y), ssfr_field_fetch(as, x, y), (size_t)field->c * sizeof *field->data);
+}
+
 static void run_on_cpu(ssfr_graph *graph, node *n)
 {
     ssfr_run *run = &n->run;
     for (int k = 0; k < n->n_in; k++) run->in[k] = graph->resources[n->in[k]].image->field;
     for (int k = 0; k < n->n_out; k++) {
-        const resource *r = &graph->resources[n->out[k]];
-        run->out[k] = r->own.field;
-        if (!n->pass->whole_screen) ssfr_field_fill(run->out[k], ssfr_slots[r->slot].neutral);
+        run->out[k] = graph->resources[n->out[k]].own.field;
+        if (!n->pass->whole_screen) begin_field(run->out[k], begins_as(graph, n, k)->field);
     }
     for (int k = 0; k < n->pass->n_scratch; k++) {
         run->scratch[k] = n->scratch[k].field;
-        if (!n->pass->whole_screen) ssfr_field_fill(run->scratch[k], ssfr_slots[graph->resources[n->out[0]].slot].neutral);
+        if (!n->pass->whole_screen) begin_field(run->scratch[k], begins_as(graph, n, 0)->field);
     }
     n->pass->cpu_run(run);
 }
 
-static void clear(const ssfr_texture *texture, double value)
+static ssfr_result begin_texture(const ssfr_texture *texture, const image *as, double neutral)
 {
-    const float v = (float)value;
+    const float v = (float)neutral;
+    if (as->w != 1 || as->h != 1) return ssfr_draw_copy(&as->texture, texture);
     ssfr_texture_clear(texture, (const float[4]){v, v, v, v});
+    return SSFR_OK;
 }
 
 static void set_uniforms(const node *n, int program)
@@ -168,11 +183,12 @@ static void bind_shared(const ssfr_graph *graph)
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_ID, graph->ids ? graph->ids : graph->offsets);
 }
 
-static void fill_draw(ssfr_graph *graph, node *n)
+static ssfr_result fill_draw(ssfr_graph *graph, node *n)
 {
+    ssfr_result result = SSFR_OK;
     ssfr_draw *draw = &n->draw;
     *draw = (ssfr_draw){.gl = graph->gl, .n_out = n->n_out, .programs = n->programs,
-                        .whole_screen = n->pass->whole_screen, .stride = 3};
+                        .whole_screen = n->pass->whole_screen, .stride = 3, .quads = graph->quads};
     if (graph->host.buffer) draw->stride = (int)graph->host.stride, draw->first = (int)graph->host.first;
     for (int k = 0; k < n->n_in; k++) {
         draw->in[k] = &graph->resources[n->in[k]].image->texture;
@@ -181,13 +197,17 @@ static void fill_draw(ssfr_graph *graph, node *n)
     for (int k = 0; k < n->n_out; k++) {
         const resource *r = &graph->resources[n->out[k]];
         draw->out[k] = &r->own.texture;
-        if (!n->pass->whole_screen) clear(draw->out[k], ssfr_slots[r->slot].neutral);
+        if (n->pass->whole_screen) continue;
+        SSFR_TRY(begin_texture(draw->out[k], begins_as(graph, n, k), ssfr_slots[r->slot].neutral));
     }
     for (int k = 0; k < n->pass->n_scratch; k++) {
         draw->scratch[k] = &n->scratch[k].texture;
-        if (!n->pass->whole_screen) clear(draw->scratch[k], ssfr_slots[graph->resources[n->out[0]].slot].neutral);
+        if (n->pass->whole_screen) continue;
+        SSFR_TRY(begin_texture(draw->scratch[k], begins_as(graph, n, 0), ssfr_slots[graph->resources[n->out[0]].slot].neutral));
     }
     n->run.draw = draw;
+end:
+    return result;
 }
 
 static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
@@ -197,7 +217,7 @@ static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
     ssfr_gl_push(graph->gl, n->pass->name);
     bind_shared(graph);
     if (n->pass->uses_ids) SSFR_TRY(upload_ids(graph));
-    fill_draw(graph, n);
+    SSFR_TRY(fill_draw(graph, n));
     for (int i = 0; n->pass->programs[i].vert; i++) set_uniforms(n, i);
     if (n->pass->gl_run) SSFR_TRY(n->pass->gl_run(&n->run));
     else SSFR_TRY(ssfr_draw_screen(&n->run, n->programs[0], n->n_out, n->draw.out));

@@ -105,10 +105,10 @@ static void shade(const shading *s, double out[3])
 static void pixel(const ssfr_run *run, int x, int y, double out[3])
 {
     shading s = {.run = run, .c = run->coeffs, .block = &run->frame->block, .x = x, .y = y};
-    const double *scene = ssfr_field_fetch(run->in[0], x, y), *n = ssfr_field_fetch(run->in[3], x, y);
+    const double *n = ssfr_field_fetch(run->in[3], x, y);
     s.z = *ssfr_field_fetch(run->in[2], x, y);
     s.thickness = *ssfr_field_fetch(run->in[4], x, y);
-    for (int k = 0; k < 3; k++) out[k] = scene[k], s.n[k] = n[k];
+    for (int k = 0; k < 3; k++) s.n[k] = n[k];
     if (!ssfr_is_surface(s.z)) return;
     ssfr_slope_at(s.block, x + 0.5, y + 0.5, s.position);
     for (int k = 0; k < 2; k++) s.position[k] *= -s.z;

@@ -31,7 +31,7 @@ void ssfr_splat_work(const ssfr_run *run, ssfr_node_report *report)
 {
     const ssfr_splat_params *p = run->params;
     const double n = (double)run->frame->facts.n_particles;
-    report->vertices = p->form == SSFR_SPLAT_POINT ? n : 6 * n;
+    report->vertices = p->form == SSFR_SPLAT_POINT ? n : 4 * n;
     report->bytes += n * 3 * sizeof(float);
 }
 

@@ -29,7 +29,7 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
 #define SSFR_SPLAT_ROW(name, member, type, unit, def, min, max, words, help) \
     {name, type, unit, help, offsetof(ssfr_splat_params, member), def, min, max, words}
 #define SSFR_SPLAT_ROWS                                                                                                   \
-    SSFR_SPLAT_ROW("splat", form, SSFR_CHOICE, "1", SSFR_SPLAT_QUAD, 0, 0, ssfr_splat_forms,                              \
+    SSFR_SPLAT_ROW("splat", form, SSFR_CHOICE, "1", SSFR_SPLAT_POINT, 0, 0, ssfr_splat_forms,                              \
                    "point sprite, quad, or the sphere's exact perspective outline and depth"),                           \
     SSFR_SPLAT_ROW("size", size, SSFR_CHOICE, "1", SSFR_SIZE_DEPTH, 0, 0, ssfr_splat_sizes,                               \
                    "what shrinks points and quads: depth along the view axis, or distance (Bagar's listing A.8)"),       \
@@ -41,11 +41,11 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
     {"u_max_point_px", offsetof(ssfr_splat, max_point_px), 1},       \
     {"u_by_distance", offsetof(ssfr_splat, by_distance), 0}
 
-/* The three programs of a pass that splats: its fragment shader under each form. */
-#define SSFR_SPLAT_PROGRAMS(frag)                                                                    \
-    {                                                                                                \
-        {"splat.vert", frag, "#define POINT\n"}, {"splat.vert", frag, "#define QUAD\n"},             \
-            {"splat.vert", frag, "#define EXACT\n"},                                                 \
+/* The three programs of a pass that splats: its fragment shader under each form; more: further defines. */
+#define SSFR_SPLAT_PROGRAMS(frag, more)                                                                               \
+    {                                                                                                                 \
+        {"splat.vert", frag, "#define POINT\n" more}, {"splat.vert", frag, "#define QUAD\n" more},                   \
+            {"splat.vert", frag, "#define EXACT\n" more},                                                             \
     }
 
 void ssfr_splat_derive(const ssfr_run *run, void *coeffs);
