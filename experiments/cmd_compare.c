@@ -123,11 +123,12 @@ static group group_of(const char *channels)
     return g;
 }
 
-/* What the user names, else what both files have of the usual channels. */
-static ssfr_result find_groups(const char *const paths[2], const ssfr_list *channels, group *groups, int *n)
+/* What the user names, else what both files have of the usual channels, else what both files have alike. The groups
+ * point into `has`, the channels of each file. */
+static ssfr_result find_groups(const char *const paths[2], const ssfr_list *channels, char *has[2], group *groups,
+                               int *n)
 {
     ssfr_result result = SSFR_OK;
-    char *has[2] = {NULL, NULL};
     *n = 0;
     if (channels->n > MAX_GROUPS)
         return ssfr_fail(SSFR_ERR_VALUE, "--channel %s: more than %d of them", channels->items[MAX_GROUPS], MAX_GROUPS);
@@ -137,12 +138,11 @@ static ssfr_result find_groups(const char *const paths[2], const ssfr_list *chan
     for (size_t i = 0; i < SSFR_COUNT(usual); i++)
         if (ssfr_channels_include(has[0], usual[i].channels) && ssfr_channels_include(has[1], usual[i].channels))
             groups[(*n)++] = usual[i];
+    if (*n == 0 && strcmp(has[0], has[1]) == 0) groups[(*n)++] = group_of(has[0]);
     if (*n == 0)
         result = ssfr_fail(SSFR_ERR_VALUE, "%s has channels %s, %s has %s: say which with --channel", paths[0], has[0],
                            paths[1], has[1]);
 end:
-    free(has[0]);
-    free(has[1]);
     return result;
 }
 
@@ -219,10 +219,11 @@ static ssfr_result compare(const char *const paths[2], const compare_options *op
     static const char *const columns[] = {"metric", "unit", "value"};
     ssfr_result result = SSFR_OK;
     group groups[MAX_GROUPS] = {0};
+    char *has[2] = {NULL, NULL};
     int n = 0;
     ssfr_field *mask = NULL;
     ssfr_csv *csv = NULL;
-    SSFR_TRY(find_groups(paths, &options->channels, groups, &n));
+    SSFR_TRY(find_groups(paths, &options->channels, has, groups, &n));
     if (options->mask) SSFR_TRY(load_mask(options->mask, &mask));
     for (int i = 0; i < n; i++) SSFR_TRY(load(paths[0], groups[i].channels, &groups[i].a));
     for (int i = 0; i < n; i++) SSFR_TRY(load(paths[1], groups[i].channels, &groups[i].b));
@@ -237,6 +238,8 @@ static ssfr_result compare(const char *const paths[2], const compare_options *op
     if (options->diff) SSFR_TRY(save_difference(options->diff, groups, n));
 end:
     for (int i = 0; i < n; i++) ssfr_field_destroy(&groups[i].a), ssfr_field_destroy(&groups[i].b);
+    free(has[0]);
+    free(has[1]);
     ssfr_field_destroy(&mask);
     ssfr_csv_destroy(&csv);
     return result;

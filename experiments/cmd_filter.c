@@ -130,6 +130,15 @@ static ssfr_result fail_nothing(const ssfr_pass *pass, const char *file, const c
                      ports);
 }
 
+/* A pass goes on without an image: its values are neutral. That may be meant. */
+static void warn_of_empty(const ssfr_pass *pass, const filter_options *options, const char *file, const char *channels)
+{
+    for (int k = 0; pass->inputs[k].name; k++)
+        if (!find_source(pass, k, options, file, channels).file)
+            ssfr_log(SSFR_WARNING, "%s is left empty: --channel %s=NAMES fills it", pass->inputs[k].name,
+                     pass->inputs[k].name);
+}
+
 static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const filter_options *options, const char *file,
                               inputs *in)
 {
@@ -139,16 +148,13 @@ static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const fi
     SSFR_TRY(ssfr_exr_channels(file, &channels));
     for (int k = 0; pass->inputs[k].name; k++) {
         const source from = find_source(pass, k, options, file, channels);
-        if (from.file)
-            SSFR_TRY(import(graph, &pass->inputs[k], &from, options, in));
-        else
-            ssfr_log(SSFR_WARNING, "%s is left empty: --channel %s=NAMES fills it", pass->inputs[k].name,
-                     pass->inputs[k].name);
+        if (from.file) SSFR_TRY(import(graph, &pass->inputs[k], &from, options, in));
     }
     if (in->n == 0) {
         result = fail_nothing(pass, file, channels);
         goto end;
     }
+    warn_of_empty(pass, options, file, channels);
     if (in->range.farthest == 0 && ssfr_channels_include(channels, "Z"))
         ssfr_log(SSFR_WARNING, "%s: no pixel of Z is a surface; is --depth right?", file);
 end:
