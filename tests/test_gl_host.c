@@ -56,11 +56,13 @@ static void create_objects(objects *o)
     for (int i = 0; i < 12; i++) glNamedBufferStorage(o->buffers[i], 4096, NULL, 0);
 }
 
+static const GLenum buffer_targets[] = {
+    GL_ARRAY_BUFFER, GL_DRAW_INDIRECT_BUFFER,  GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER,
+    GL_QUERY_BUFFER, GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER,
+};
+
 static void bind_objects(const objects *o)
 {
-    static const GLenum targets[] = {GL_ARRAY_BUFFER,        GL_DRAW_INDIRECT_BUFFER,  GL_PIXEL_PACK_BUFFER,
-                                     GL_PIXEL_UNPACK_BUFFER, GL_QUERY_BUFFER,          GL_SHADER_STORAGE_BUFFER,
-                                     GL_UNIFORM_BUFFER};
     glUseProgram(o->program);
     glBindVertexArray(o->vertex_array);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, o->framebuffers[0]);
@@ -77,35 +79,33 @@ static void bind_objects(const objects *o)
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, o->buffers[3]);
     glBindBufferRange(GL_UNIFORM_BUFFER, 0, o->buffers[4], 1024, 256);
     glBindBufferBase(GL_UNIFORM_BUFFER, 1, o->buffers[5]);
-    for (size_t i = 0; i < SSFR_COUNT(targets); i++) glBindBuffer(targets[i], o->buffers[5 + i]);
+    for (size_t i = 0; i < SSFR_COUNT(buffer_targets); i++) glBindBuffer(buffer_targets[i], o->buffers[5 + i]);
 }
 
-static void set_pixel_store(void)
-{
-    static const struct {
-        GLenum name;
-        GLint value;
-    } stores[] = {
-        {GL_PACK_SWAP_BYTES, 1},  {GL_PACK_LSB_FIRST, 1},    {GL_PACK_ROW_LENGTH, 33},  {GL_PACK_IMAGE_HEIGHT, 17},
-        {GL_PACK_SKIP_ROWS, 2},   {GL_PACK_SKIP_PIXELS, 3},  {GL_PACK_SKIP_IMAGES, 1},  {GL_PACK_ALIGNMENT, 8},
-        {GL_UNPACK_SWAP_BYTES, 1}, {GL_UNPACK_LSB_FIRST, 1},  {GL_UNPACK_ROW_LENGTH, 35}, {GL_UNPACK_IMAGE_HEIGHT, 19},
-        {GL_UNPACK_SKIP_ROWS, 4}, {GL_UNPACK_SKIP_PIXELS, 5}, {GL_UNPACK_SKIP_IMAGES, 1}, {GL_UNPACK_ALIGNMENT, 1},
-    };
-    for (size_t i = 0; i < SSFR_COUNT(stores); i++) glPixelStorei(stores[i].name, stores[i].value);
-}
+static const struct pixel_store {
+    GLenum name;
+    GLint host, pass;
+} pixel_stores[] = {
+    {GL_PACK_SWAP_BYTES, 1, 0},    {GL_PACK_LSB_FIRST, 1, 0},    {GL_PACK_ROW_LENGTH, 33, 99},
+    {GL_PACK_IMAGE_HEIGHT, 17, 5}, {GL_PACK_SKIP_ROWS, 2, 1},    {GL_PACK_SKIP_PIXELS, 3, 4},
+    {GL_PACK_SKIP_IMAGES, 1, 2},   {GL_PACK_ALIGNMENT, 8, 2},    {GL_UNPACK_SWAP_BYTES, 1, 0},
+    {GL_UNPACK_LSB_FIRST, 1, 0},   {GL_UNPACK_ROW_LENGTH, 35, 99}, {GL_UNPACK_IMAGE_HEIGHT, 19, 5},
+    {GL_UNPACK_SKIP_ROWS, 4, 1},   {GL_UNPACK_SKIP_PIXELS, 5, 4}, {GL_UNPACK_SKIP_IMAGES, 1, 2},
+    {GL_UNPACK_ALIGNMENT, 1, 2},
+};
 
-static void toggle_capabilities(void)
+static const GLenum capabilities[] = {
+    GL_DEPTH_TEST,         GL_CULL_FACE,      GL_STENCIL_TEST,        GL_FRAMEBUFFER_SRGB,
+    GL_DITHER,             GL_PROGRAM_POINT_SIZE, GL_PRIMITIVE_RESTART, GL_PRIMITIVE_RESTART_FIXED_INDEX,
+    GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP, GL_DEPTH_CLAMP,         GL_POLYGON_SMOOTH,
+    GL_POLYGON_OFFSET_FILL, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1,     GL_CLIP_DISTANCE2,
+    GL_CLIP_DISTANCE3,     GL_CLIP_DISTANCE4, GL_CLIP_DISTANCE5,      GL_CLIP_DISTANCE6,
+    GL_CLIP_DISTANCE7,
+};
+
+static void toggle(GLenum capability)
 {
-    static const GLenum capabilities[] = {
-        GL_DEPTH_TEST,         GL_CULL_FACE,         GL_STENCIL_TEST,
-        GL_FRAMEBUFFER_SRGB,   GL_DITHER,            GL_PROGRAM_POINT_SIZE,
-        GL_PRIMITIVE_RESTART,  GL_PRIMITIVE_RESTART_FIXED_INDEX, GL_RASTERIZER_DISCARD,
-        GL_COLOR_LOGIC_OP,     GL_DEPTH_CLAMP,       GL_POLYGON_SMOOTH,
-        GL_POLYGON_OFFSET_FILL, GL_CLIP_DISTANCE0,   GL_CLIP_DISTANCE3,
-        GL_CLIP_DISTANCE7,     GL_DEBUG_OUTPUT,      GL_DEBUG_OUTPUT_SYNCHRONOUS,
-    };
-    for (size_t i = 0; i < SSFR_COUNT(capabilities); i++)
-        (glIsEnabled(capabilities[i]) ? glDisable : glEnable)(capabilities[i]);
+    (glIsEnabled(capability) ? glDisable : glEnable)(capability);
 }
 
 static void set_indexed(void)
@@ -140,8 +140,10 @@ static void APIENTRY hear(GLenum source, GLenum type, GLuint id, GLenum severity
 static void set_everything(objects *o)
 {
     create_objects(o);
-    toggle_capabilities();
-    set_pixel_store();
+    for (size_t i = 0; i < SSFR_COUNT(capabilities); i++) toggle(capabilities[i]);
+    for (size_t i = 0; i < SSFR_COUNT(pixel_stores); i++) glPixelStorei(pixel_stores[i].name, pixel_stores[i].host);
+    toggle(GL_DEBUG_OUTPUT);
+    toggle(GL_DEBUG_OUTPUT_SYNCHRONOUS);
     set_indexed();
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_NOTEQUAL);
@@ -168,31 +170,37 @@ static void fill(ssfr_gl *gl, const ssfr_texture *target, const float colour[4])
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* What a careless pass may leave behind. */
+/* What careless passes may leave behind: everything other than in the baseline and than in the host. */
 static void make_a_mess(const objects *o, const ssfr_texture *texture)
 {
-    static const GLenum on[] = {GL_BLEND, GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE, GL_STENCIL_TEST, GL_DITHER};
-    for (size_t i = 0; i < SSFR_COUNT(on); i++) glEnable(on[i]);
-    glDisable(GL_PROGRAM_POINT_SIZE);
-    glBlendFuncSeparate(GL_ZERO, GL_ZERO, GL_ONE, GL_ONE);
-    glBlendEquation(GL_MAX);
-    glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
-    glViewport(1, 1, 2, 2);
-    glScissor(1, 1, 2, 2);
-    glDepthRange(1, 0);
-    glDepthMask(GL_TRUE);
-    glClearColor(1, 1, 1, 1);
+    for (size_t i = 0; i < SSFR_COUNT(pixel_stores); i++) glPixelStorei(pixel_stores[i].name, pixel_stores[i].pass);
+    for (size_t i = 0; i < SSFR_COUNT(buffer_targets); i++) glBindBuffer(buffer_targets[i], o->buffers[0]);
+    for (GLuint i = 0; i < SSFR_GL_STORAGE; i++) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, o->buffers[11]);
+    for (GLuint i = 0; i < SSFR_GL_UNIFORMS; i++) glBindBufferBase(GL_UNIFORM_BUFFER, i, o->buffers[10]);
     for (GLuint i = 0; i < SSFR_GL_UNITS; i++) {
         glBindTextureUnit(i, texture->name);
         glBindSampler(i, o->samplers[15 - i]);
     }
-    for (GLuint i = 0; i < SSFR_GL_STORAGE; i++) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, o->buffers[11]);
-    for (GLuint i = 0; i < SSFR_GL_UNIFORMS; i++) glBindBufferBase(GL_UNIFORM_BUFFER, i, o->buffers[10]);
-    glBindBuffer(GL_ARRAY_BUFFER, o->buffers[0]);
-    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, o->buffers[0]);
-    glPixelStorei(GL_PACK_ROW_LENGTH, 3);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
     glActiveTexture(GL_TEXTURE0 + 3);
+    glBindVertexArray(0);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_ZERO, GL_ZERO, GL_ONE, GL_ONE);
+    glBlendEquation(GL_MAX);
+    glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(1, 1, 2, 2);
+    glViewport(1, 1, 2, 2);
+    glDepthRange(1, 0);
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GL_GREATER);
+    glCullFace(GL_FRONT);
+    glFrontFace(GL_CCW);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_POINT);
+    glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
+    glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+    glPointParameteri(GL_POINT_SPRITE_COORD_ORIGIN, GL_UPPER_LEFT);
+    glClearColor(1, 1, 1, 1);
 }
 
 /* A frame as the graph runs it: passes that draw, write, read back and leave a mess. */
@@ -200,20 +208,26 @@ static void run_a_frame(ssfr_gl *gl, const objects *o)
 {
     static const float colour[4] = {2.385f, -1e30f, 0.25f, -7};
     ssfr_texture texture;
-    ssfr_field *field = NULL;
+    ssfr_field *drawn = NULL, *written = NULL;
     assert_int_equal(ssfr_gl_begin(gl), SSFR_OK);
     ssfr_gl_push(gl, "first");
     assert_int_equal(ssfr_texture_create(gl, &texture, 37, 23, 4), SSFR_OK);
+    for (size_t i = 0; i < SSFR_COUNT(capabilities); i++) toggle(capabilities[i]);
     make_a_mess(o, &texture);
     ssfr_gl_pop(gl);
     ssfr_gl_baseline(gl);
     fill(gl, &texture, colour);
-    assert_int_equal(ssfr_texture_read(&texture, &field), SSFR_OK);
-    for (int i = 0; i < 37 * 23 * 4; i++) assert_true(field->data[i] == (double)colour[i % 4]);
+    assert_int_equal(ssfr_texture_read(&texture, &drawn), SSFR_OK);
+    for (int i = 0; i < 37 * 23 * 4; i++) assert_true(drawn->data[i] == (double)colour[i % 4]);
+    drawn->data[2385] = 0.5;
+    assert_int_equal(ssfr_texture_write(&texture, drawn), SSFR_OK);
+    assert_int_equal(ssfr_texture_read(&texture, &written), SSFR_OK);
+    assert_memory_equal(written->data, drawn->data, 37 * 23 * 4 * sizeof *drawn->data);
     make_a_mess(o, &texture);
     ssfr_texture_finish(&texture);
     assert_int_equal(ssfr_gl_end(gl, SSFR_OK), SSFR_OK);
-    ssfr_field_destroy(&field);
+    ssfr_field_destroy(&drawn);
+    ssfr_field_destroy(&written);
 }
 
 static void check_state_is_left(const EGLint *flags)
@@ -252,13 +266,12 @@ static void host_state_is_left_as_found_in_a_plain_context(void **state)
     check_state_is_left(NULL);
 }
 
-static void initial_and_half_set_host_state_is_left_as_found(void **state)
+static void check_initial_and_half_set_state_is_left(const EGLint *flags)
 {
-    (void)state;
     test_host host;
     objects o;
     ssfr_gl *gl = NULL;
-    assert_true(test_host_create(&host, 4, 5, NULL));
+    assert_true(test_host_create(&host, 4, 5, flags));
     create_objects(&o);
     assert_int_equal(ssfr_gl_create(&gl, SSFR_GL_CURRENT), SSFR_OK);
     char *before = test_host_snapshot();
@@ -274,6 +287,13 @@ static void initial_and_half_set_host_state_is_left_as_found(void **state)
     free(before), free(after), free(half_before), free(half_after);
     ssfr_gl_destroy(&gl);
     test_host_destroy(&host);
+}
+
+static void initial_and_half_set_host_state_is_left_as_found(void **state)
+{
+    (void)state;
+    check_initial_and_half_set_state_is_left(NULL);
+    check_initial_and_half_set_state_is_left(debug_context);
 }
 
 static void baseline_undoes_what_passes_do(void **state)

@@ -34,7 +34,7 @@ SSFR_MUST ssfr_result ssfr_gl_end(ssfr_gl *gl, ssfr_result so_far);
 /* Sets the baseline state again; called before each pass, so that no pass leaks state into the next. */
 void ssfr_gl_baseline(ssfr_gl *gl);
 
-/* A debug group named after the pass, for traces and error texts. */
+/* A debug group named after the pass, for traces and error texts. The name lives until the pop. */
 void ssfr_gl_push(ssfr_gl *gl, const char *name);
 void ssfr_gl_pop(ssfr_gl *gl);
 
@@ -48,14 +48,14 @@ SSFR_MUST ssfr_result ssfr_texture_read(const ssfr_texture *texture, ssfr_field 
 /* Binds up to 4 textures as colour attachments of ssfr's framebuffer and sets the viewport to their size. */
 SSFR_MUST ssfr_result ssfr_gl_target(ssfr_gl *gl, int n, const ssfr_texture *const *textures);
 
-/* An immutable-size buffer; data may be NULL. dynamic: written again by ssfr_buffer_write. */
+/* An immutable-size buffer; data may be NULL. dynamic: written again by glNamedBufferSubData. */
 SSFR_MUST ssfr_result ssfr_buffer_create(ssfr_gl *gl, unsigned *out, size_t size, const void *data, bool dynamic);
 void ssfr_buffer_destroy(unsigned *buffer);
 
-/* Compiles shaders/<vert> and shaders/<frag>, from the folder that SSFR_SHADER_DIR names where it has the file, else from the binary.
- * A line `#include "name.glsl"` is replaced by that file, once a program stage; #line directives keep error lines right (the source
- * string number is the index of the file in the order of first inclusion; an error names the file). defines: lines put after
- * #version, or NULL. Results are cached in gl by (vert, frag, defines); ssfr_gl_destroy frees them. */
+/* Compiles shaders/<vert> and shaders/<frag>, from the folder that SSFR_SHADER_DIR names where it has the file, else from
+ * the binary. A line `#include "name.glsl"` is replaced by that file, once a program stage; an error names the file and its
+ * line. defines: lines put after #version, or NULL. Results are cached in gl by (vert, frag, defines); ssfr_gl_destroy frees
+ * them. */
 SSFR_MUST ssfr_result ssfr_program_get(ssfr_gl *gl, unsigned *out, const char *vert, const char *frag, const char *defines);
 
 /* Images, buffers and programs made since the context was created: a frame that allocates nothing leaves it as it is. */

@@ -62,8 +62,8 @@ void ssfr_gl_listen(ssfr_gl *gl);
 void ssfr_gl_detach(ssfr_gl *gl);
 
 /* program.c */
-/* What the first error in a compiler's log says, up to its line's end; *file and *line are -1 without a place. */
-const char *ssfr_gl_parse_log(const char *log, long *file, long *line);
+/* What the first error in a compiler's log says, up to its line's end; *line is 0 when it names no place. */
+const char *ssfr_gl_parse_log(const char *log, long *line);
 /* Frees the cache, and its programs when their context is current. */
 void ssfr_gl_programs_finish(ssfr_gl *gl, bool current);
 

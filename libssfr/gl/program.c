@@ -5,7 +5,11 @@
 
 #include <unistd.h>
 
-enum { MAX_FILES = 32, MAX_NAME = 64, MAX_SHADER = 1 << 20, DEFINES = MAX_FILES };
+enum { MAX_FILES = 32, MAX_NAME = 64, MAX_SHADER = 1 << 20 };
+
+/* Starts a comment line that says which line of which file the next one is: "//@ sphere.glsl:12". Drivers count the
+ * lines of the whole text right, but Mesa forgets the source string number of #line in most of its errors. */
+#define PLACE "//@ "
 
 struct ssfr_gl_program {
     ssfr_gl_program *next;
@@ -15,10 +19,11 @@ struct ssfr_gl_program {
 
 /* ---- source text ------------------------------------------------------------------------------------------------- */
 
-/* The files of a stage in the order of first inclusion: their indices are the source string numbers of #line. */
+/* The text of a stage, and the files that are in it. */
 typedef struct sources {
     FILE *out;
     const char *defines;
+    bool versioned; /* the #version line is written */
     int n;
     char names[MAX_FILES][MAX_NAME];
 } sources;
@@ -57,8 +62,9 @@ static bool is_directive(const char *line, const char *word, const char **rest)
     const char *at = line + strspn(line, " \t");
     if (*at != '#') return false;
     at += 1 + strspn(at + 1, " \t");
+    if (strncmp(at, word, strlen(word)) != 0) return false;
     *rest = at + strlen(word);
-    return strncmp(at, word, strlen(word)) == 0 && strchr(" \t\"<\r\n", **rest) != NULL;
+    return strchr(" \t\"<\r\n", **rest) != NULL; /* the end of the text too */
 }
 
 static ssfr_result expand(sources *files, const char *name, const char *place);
@@ -68,6 +74,7 @@ static ssfr_result include(sources *files, const char *rest, int index, int numb
 {
     ssfr_result result = SSFR_OK;
     char name[MAX_NAME], place[2 * MAX_NAME];
+    const int before = files->n;
     rest += strspn(rest, " \t");
     const size_t length = *rest == '"' ? strcspn(rest + 1, "\"\n") : 0;
     snprintf(place, sizeof place, "%s:%d: ", files->names[index], number);
@@ -76,17 +83,32 @@ static ssfr_result include(sources *files, const char *rest, int index, int numb
     memcpy(name, rest + 1, length);
     name[length] = '\0';
     if (!already_in(files, name)) SSFR_TRY(expand(files, name, place));
-    fprintf(files->out, "#line %d %d\n", number + 1, index);
+    if (files->n > before)
+        fprintf(files->out, PLACE "%s:%d\n", files->names[index], number + 1);
+    else
+        fprintf(files->out, "\n"); /* once is enough */
 end:
     return result;
 }
 
-/* Writes a file with its includes; the defines go behind the #version line of the first. */
+/* Writes a line, or what it includes; the defines go behind the #version line. */
+static ssfr_result put_line(sources *files, const char *line, int index, int number)
+{
+    const char *rest, *name = files->names[index];
+    if (is_directive(line, "include", &rest)) return include(files, rest, index, number);
+    fprintf(files->out, "%.*s\n", (int)strcspn(line, "\n"), line);
+    if (files->versioned || !is_directive(line, "version", &rest)) return SSFR_OK;
+    fprintf(files->out, PLACE "%s, defines:1\n%s\n", name, files->defines);
+    fprintf(files->out, PLACE "%s:%d\n", name, number + 1);
+    files->versioned = true;
+    return SSFR_OK;
+}
+
+/* Writes a file with its includes. */
 static ssfr_result expand(sources *files, const char *name, const char *place)
 {
     ssfr_result result = SSFR_OK;
     const int index = files->n;
-    bool versioned = index > 0;
     char *text = NULL;
     SSFR_TRY(load(&text, name, place));
     if (index == MAX_FILES || strlen(name) >= MAX_NAME) {
@@ -95,22 +117,14 @@ static ssfr_result expand(sources *files, const char *name, const char *place)
         goto end;
     }
     snprintf(files->names[files->n++], MAX_NAME, "%s", name);
-    if (index > 0) fprintf(files->out, "#line 1 %d\n", index);
-    const char *line = text, *rest;
+    if (index > 0) fprintf(files->out, PLACE "%s:1\n", name);
+    const char *line = text;
     for (int number = 1; *line; number++) {
-        const size_t length = strcspn(line, "\n");
-        if (is_directive(line, "include", &rest)) {
-            SSFR_TRY(include(files, rest, index, number));
-        } else {
-            fprintf(files->out, "%.*s\n", (int)length, line);
-            if (!versioned && is_directive(line, "version", &rest)) {
-                fprintf(files->out, "#line 1 %d\n%s\n#line %d 0\n", DEFINES, files->defines, number + 1);
-                versioned = true;
-            }
-        }
-        line += length + (line[length] == '\n');
+        SSFR_TRY(put_line(files, line, index, number));
+        line += strcspn(line, "\n");
+        line += *line == '\n';
     }
-    if (!versioned) result = ssfr_fail(SSFR_ERR_FORMAT, "%s: no #version line", name);
+    if (index == 0 && !files->versioned) result = ssfr_fail(SSFR_ERR_FORMAT, "%s: no #version line", name);
 end:
     free(text);
     return result;
@@ -157,30 +171,43 @@ static const char *error_line(const char *log)
     return *first ? first : "the driver does not say why";
 }
 
-/* The forms known: Mesa's "1:12(3): error: ...", NVIDIA's "1(12) : error ...", others' "ERROR: 1:12: ...". */
-const char *ssfr_gl_parse_log(const char *log, long *file, long *line)
+/* The forms known: Mesa's "0:12(3): error: ...", NVIDIA's "0(12) : error ...", others' "ERROR: 0:12: ...". */
+const char *ssfr_gl_parse_log(const char *log, long *line)
 {
     const char *text = error_line(log), *at = text + strspn(text, "ERO: ");
     char *end;
-    *file = *line = -1;
-    const long first = strtol(at, &end, 10);
+    *line = 0;
+    (void)strtol(at, &end, 10);
     if (end == at || (*end != ':' && *end != '(')) return text;
     at = end + 1;
-    const long second = strtol(at, &end, 10);
+    const long number = strtol(at, &end, 10);
     if (end == at) return text;
-    *file = first;
-    *line = second;
+    *line = number;
     return end + strspn(end, " :()-0123456789");
 }
 
-static ssfr_result fail_compile(const sources *files, const char *log)
+/* The file and its line that line `line` of the whole text is. */
+static int locate(const char *text, long line, char name[MAX_NAME])
 {
-    long file, line;
-    const char *text = ssfr_gl_parse_log(log, &file, &line);
-    const int length = (int)strcspn(text, "\r\n");
-    if (file == DEFINES) return ssfr_fail(SSFR_ERR_GL, "%s: in the defines: %.*s", files->names[0], length, text);
-    if (file < 0 || file >= files->n) return ssfr_fail(SSFR_ERR_GL, "%s: %.*s", files->names[0], length, text);
-    return ssfr_fail(SSFR_ERR_GL, "%s:%ld: %.*s", files->names[file], line, length, text);
+    int number = 1;
+    for (long i = 1; i < line && *text; i++) {
+        if (sscanf(text, PLACE "%63[^:]:%d", name, &number) != 2) number++;
+        text += strcspn(text, "\n");
+        text += *text == '\n';
+    }
+    return number;
+}
+
+static ssfr_result fail_compile(const char *text, const char *shader, const char *log)
+{
+    char name[MAX_NAME];
+    long line;
+    const char *said = ssfr_gl_parse_log(log, &line);
+    const int length = (int)strcspn(said, "\r\n");
+    if (line < 1) return ssfr_fail(SSFR_ERR_GL, "%s: %.*s", shader, length, said);
+    snprintf(name, sizeof name, "%s", shader);
+    const int number = locate(text, line, name);
+    return ssfr_fail(SSFR_ERR_GL, "%s:%d: %.*s", name, number, length, said);
 }
 
 /* ---- compiling and linking --------------------------------------------------------------------------------------- */
@@ -197,7 +224,7 @@ static ssfr_result compile(unsigned *out, GLenum stage, const char *name, const 
     glCompileShader(*out);
     glGetShaderiv(*out, GL_COMPILE_STATUS, &ok);
     glGetShaderInfoLog(*out, sizeof log, NULL, log);
-    if (!ok) result = fail_compile(&files, log);
+    if (!ok) result = fail_compile(text, name, log);
 end:
     free(text);
     return result;
