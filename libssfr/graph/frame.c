@@ -161,6 +161,28 @@ static void mark_tiles(ssfr_facts *facts, const int lo[2], const int hi[2])
         memset(facts->mask + (size_t)y * (size_t)facts->tiles_x + x0, 1, (size_t)(x1 - x0 + 1));
 }
 
+static int n_tiles_of(const int lo[2], const int hi[2])
+{
+    return ((hi[0] - 1) / SSFR_TILE - lo[0] / SSFR_TILE + 1) * ((hi[1] - 1) / SSFR_TILE - lo[1] / SSFR_TILE + 1);
+}
+
+/* A packet of stray particles has a large box that is mostly empty: then each particle marks its own tiles. */
+static void mark_packet(ssfr_frame *frame, size_t i, double reach, const int lo[2], const int hi[2])
+{
+    enum { FEW = 9 };
+    const size_t start = i * SSFR_PACKET, left = frame->n_particles - start;
+    if (n_tiles_of(lo, hi) <= FEW) {
+        mark_tiles(&frame->facts, lo, hi);
+        return;
+    }
+    for (size_t k = start; k < start + (left < SSFR_PACKET ? left : SSFR_PACKET); k++) {
+        bounds b = {.half = {reach, reach, reach}};
+        int from[2], to[2];
+        ssfr_frame_eye(frame, k, b.centre);
+        if (box_pixels(frame, &b, from, to)) mark_tiles(&frame->facts, from, to);
+    }
+}
+
 static void add_packet(ssfr_frame *frame, size_t i)
 {
     ssfr_facts *facts = &frame->facts;
@@ -196,7 +218,7 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
         const bounds b = packet_bounds(frame, i, reach * frame->radius);
         const bool visible = box_pixels(frame, &b, lo, hi);
         if (visible) nearest = fmin(nearest, -b.centre[2] - b.half[2]);
-        if (visible && !keep_all) mark_tiles(facts, lo, hi);
+        if (visible && !keep_all) mark_packet(frame, i, reach * frame->radius, lo, hi);
         if (visible || keep_all) add_packet(frame, i);
     }
     facts->nearest = fmax(nearest, frame->near);
