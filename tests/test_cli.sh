@@ -7,6 +7,7 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/ssfr-cli-XXXXXX") || exit 2
 trap 'rm -rf "$work"' EXIT
 trap 'exit 2' INT TERM
 cd "$work" || exit 2
+[ -x "$ssfr" ] || { echo "not ok - $ssfr is there"; echo "0 passed, 1 failed"; exit 1; }
 passed=0
 failed=0
 

@@ -82,9 +82,17 @@ static ssfr_result make_double_dam_break(ssfr_particles **out, uint64_t seed)
     return ssfr_embedded_load(out, "double_dam_break.h5");
 }
 
+/* What stood around the water: the tank's far wall, and a wall where the frame was cut. */
+static const ssfr_solid tank[] = {
+    {.centre = {1.35, 0.35, -1.05}, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .half = {1.05, 0.35, 0.05},
+     .colour = {0.55, 0.42, 0.28}},
+    {.centre = {0.35, 0.35, 0}, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .half = {0.05, 0.35, 1},
+     .colour = {0.55, 0.42, 0.28}},
+};
+
 static const ssfr_builtin builtins[] = {
     {.name = "double_dam_break", .help = "one frame of a simulated double dam break, cut to a box",
-     .make = make_double_dam_break, .from = {0, 0.4, 1}, .floor = 0},
+     .make = make_double_dam_break, .from = {1, 0.28, 1}, .floor = 0, .n_solids = SSFR_COUNT(tank), .solids = tank},
     {.name = "sphere", .help = "one particle of radius 0.5 m", .make = make_sphere, .from = {0, 0, 1}, .floor = NAN},
     {.name = "plane", .help = "a flat upright grid of 40 x 40 overlapping particles", .make = make_plane,
      .from = {0, 0, 1}, .floor = NAN},
