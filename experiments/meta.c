@@ -140,13 +140,21 @@ static void put_scenes(ssfr_json *json, const ssfr_meta *meta)
     ssfr_json_close(json);
 }
 
+/* Parameters that an axis varies stand under axes alone. */
 static ssfr_result put_parameters(ssfr_json *json, const ssfr_meta *meta)
 {
     ssfr_record record = {0};
     const ssfr_result result = ssfr_record_graph(&record, meta->graph);
     ssfr_json_text(json, "pipeline", meta->pipeline);
     ssfr_json_object(json, "parameters");
-    ssfr_record_json(&record, json);
+    for (int i = 0; i < record.n; i++) {
+        const ssfr_attribute *item = &record.items[i];
+        if (meta->spec && ssfr_sweep_spec_axis(meta->spec, item->name)) continue;
+        if (item->text)
+            ssfr_json_text(json, item->name, item->text);
+        else
+            ssfr_json_number(json, item->name, item->number);
+    }
     ssfr_json_close(json);
     ssfr_record_finish(&record);
     return result;
@@ -188,7 +196,7 @@ static ssfr_result write_file(FILE *file, const char *path, const ssfr_meta *met
     ssfr_json_object(&json, NULL);
     put_program(&json, meta);
     snprintf(identity, sizeof identity, "%016" PRIx64, meta->identity);
-    ssfr_json_text(&json, "identity", identity);
+    if (meta->identity) ssfr_json_text(&json, "identity", identity);
     put_machine(&json, meta);
     put_libraries(&json);
     put_scenes(&json, meta);

@@ -20,10 +20,10 @@ typedef struct ssfr_meta {
     int argc;
     char **argv; /* argv[0] is the command */
     long seed;
-    uint64_t identity;           /* what the rows of a table have in common, see ssfr_meta_check */
+    uint64_t identity;           /* of what the rows of a table have in common, see ssfr_meta_check; 0: none */
     const ssfr_gl *gl;           /* NULL when none is used */
     const char *pipeline;
-    const ssfr_graph *graph;     /* its parameters are those that no axis varies */
+    const ssfr_graph *graph;     /* for its parameters; those that an axis varies are left out */
     const ssfr_sweep_spec *spec; /* NULL for a table without axes */
     int n_scenes;
     const ssfr_record *scenes;   /* as ssfr_meta_record_scene fills them */

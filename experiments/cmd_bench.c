@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* cmd_bench.c: `ssfr bench`: where the time of a frame goes, pass by pass. */
+#include "experiments/command.h"
+#include "experiments/console.h"
+#include "experiments/csv.h"
+#include "experiments/frame_file.h"
+#include "experiments/measure.h"
+#include "experiments/meta.h"
+#include "experiments/setup.h"
+
+typedef struct bench_options {
+    const char *scene, *output;
+    bool quick;
+    double max_time;
+} bench_options;
+
+#define ROW(...) SSFR_OPTION(bench_options, __VA_ARGS__)
+static const ssfr_option rows[] = {
+    ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default double_dam_break)", 0, 0),
+    ROW(output, "output", 'o', TEXT, "FILE.csv", "write the table as CSV too, with FILE.meta.json beside it", 0, 0),
+    ROW(quick, "quick", 0, FLAG, NULL, "3 runs and 0.2 s instead of 10 and 1 s", 0, 0),
+    ROW(max_time, "max-time", 0, NUMBER, "S", "cap the timed frames, s; one is always timed", 1e-3, 1e6),
+    SSFR_OPTION_END,
+};
+
+typedef struct bench {
+    ssfr_setup setup;
+    ssfr_stage *stage;
+    ssfr_measured *frame, *timed; /* without and with the time of each node */
+    double bandwidth;             /* bytes/s */
+    double sum;                   /* ms, of the nodes' medians */
+    ssfr_aside aside;
+    ssfr_csv *csv;                /* NULL without -o */
+} bench;
+
+static ssfr_result measure(bench *b, const bench_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_measure_options m = ssfr_measure_defaults(options->quick);
+    m.max_seconds = options->max_time;
+    b->bandwidth = ssfr_measure_copy_bandwidth(b->setup.gl);
+    SSFR_TRY(ssfr_measure_graph(&b->frame, b->setup.graph, &b->stage->scene, &m));
+    m.nodes = true;
+    SSFR_TRY(ssfr_measure_graph(&b->timed, b->setup.graph, &b->stage->scene, &m));
+    for (int i = 0; i < b->timed->n_nodes; i++)
+        if (b->timed->nodes[i].n) b->sum += b->timed->nodes[i].median;
+end:
+    return result;
+}
+
+/* ---- for people ---------------------------------------------------------------------------------------------------- */
+
+static ssfr_result add_titles(ssfr_table *t, const char *const *titles, int n)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < n && result == SSFR_OK; i++) result = ssfr_table_add(t, "%s", titles[i]);
+    return result;
+}
+
+static ssfr_result add_node(ssfr_table *t, const bench *b, int i)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_node_report *r = &b->timed->reports[i];
+    const ssfr_timing *time = &b->timed->nodes[i];
+    SSFR_TRY(ssfr_table_add(t, "%s", r->node));
+    if (r->status != SSFR_RAN) {
+        SSFR_TRY(ssfr_table_add(t, "%s: %s", ssfr_status_text(r->status), r->why));
+        for (int k = 0; k < 8; k++) SSFR_TRY(ssfr_table_add(t, "-"));
+        goto end;
+    }
+    SSFR_TRY(ssfr_table_add(t, "%s", ssfr_status_text(r->status)));
+    SSFR_TRY(ssfr_table_add(t, "%.3f", time->median));
+    SSFR_TRY(ssfr_table_add(t, "%.3f", time->mad));
+    SSFR_TRY(ssfr_table_add(t, "%.1f %%", 100 * time->median / b->sum));
+    SSFR_TRY(ssfr_table_add(t, "%.1f", r->taps));
+    SSFR_TRY(ssfr_table_add(t, "%g", r->iterations));
+    SSFR_TRY(ssfr_table_add(t, "%.0f", r->vertices));
+    SSFR_TRY(ssfr_table_add(t, "%.2f", 1e-6 * r->bytes));
+    SSFR_TRY(ssfr_table_add(t, "%.1f", ssfr_measure_roofline(time->median, r->bytes, b->bandwidth)));
+end:
+    return result;
+}
+
+static void print_frame(const bench *b)
+{
+    const ssfr_measured *f = b->frame, *t = b->timed;
+    const ssfr_camera *camera = &b->stage->scene.camera;
+    printf("\n%s on %s, %s, %dx%d px, %zu particles\n", ssfr_pipeline_name(b->setup.pipeline),
+           b->setup.gl ? ssfr_gl_renderer(b->setup.gl) : "the CPU, in double", b->stage->name, camera->w, camera->h,
+           b->stage->particles->n);
+    printf("frame: %.3f ms (median of %zu, MAD %.3f, least %.3f, outliers %zu)\n", f->frame.median, f->frame.n, f->frame.mad,
+           f->frame.min, f->frame.outliers);
+    printf("passes: %.3f ms in all, in a frame of %.3f ms while they are timed: a share of %.3f\n", b->sum, t->frame.median,
+           b->sum / t->frame.median);
+    printf("copying: %.2f GB/s read and written; the frame takes %.1f times as long as moving its bytes once\n",
+           1e-9 * b->bandwidth, ssfr_measure_roofline(f->frame.median, f->bytes, b->bandwidth));
+}
+
+static ssfr_result print(const bench *b)
+{
+    static const char *const titles[] = {"pass", "status", "ms", "MAD", "share", "taps", "sweeps", "vertices", "MB", "x copy"};
+    ssfr_result result = SSFR_OK;
+    ssfr_table t;
+    ssfr_table_init(&t, SSFR_COUNT(titles));
+    SSFR_TRY(add_titles(&t, titles, SSFR_COUNT(titles)));
+    for (int i = 0; i < b->timed->n_nodes; i++) SSFR_TRY(add_node(&t, b, i));
+    ssfr_table_print(&t, stdout);
+    print_frame(b);
+end:
+    ssfr_table_finish(&t);
+    return result;
+}
+
+/* ---- for programs -------------------------------------------------------------------------------------------------- */
+
+static const char *const columns[] = {"scene", "pipeline", "backend", "width", "height", "node", "pass", "status", "why",
+                                      "ms_min", "ms_median", "ms_mad", "runs", "outliers", "share", "taps", "iterations",
+                                      "vertices", "bytes [B]", "roofline"};
+enum { N_KEYS = 6 };
+
+static ssfr_result write_row(ssfr_csv *csv, const bench *b, const ssfr_node_report *r, const ssfr_timing *time)
+{
+    ssfr_result result = SSFR_OK;
+    const bool ran = r->status == SSFR_RAN;
+    const double numbers[] = {time->min, time->median, time->mad, (double)time->n, (double)time->outliers, time->median / b->sum,
+                              r->taps, r->iterations, r->vertices, r->bytes,
+                              ssfr_measure_roofline(time->median, r->bytes, b->bandwidth)};
+    SSFR_TRY(ssfr_csv_text(csv, b->stage->name));
+    SSFR_TRY(ssfr_csv_text(csv, ssfr_pipeline_name(b->setup.pipeline)));
+    SSFR_TRY(ssfr_csv_text(csv, b->setup.gl ? "gl" : "cpu"));
+    SSFR_TRY(ssfr_csv_number(csv, b->stage->scene.camera.w));
+    SSFR_TRY(ssfr_csv_number(csv, b->stage->scene.camera.h));
+    SSFR_TRY(ssfr_csv_text(csv, r->node));
+    SSFR_TRY(ssfr_csv_text(csv, r->pass));
+    SSFR_TRY(ssfr_csv_text(csv, ssfr_status_text(r->status)));
+    SSFR_TRY(ssfr_csv_text(csv, ran ? "" : r->why));
+    for (size_t i = 0; i < SSFR_COUNT(numbers); i++) SSFR_TRY(ssfr_csv_number(csv, ran || i == 3 || i == 4 ? numbers[i] : NAN));
+    SSFR_TRY(ssfr_csv_end_row(csv));
+end:
+    return result;
+}
+
+/* The frame as a whole: as users have it, and while its nodes are timed. */
+static ssfr_result write_frame(ssfr_csv *csv, const bench *b, const char *name, const ssfr_measured *m)
+{
+    const ssfr_node_report whole = {.node = name, .pass = "", .status = SSFR_RAN, .why = "", .taps = m->taps,
+                                    .iterations = m->iterations, .vertices = m->vertices, .bytes = m->bytes};
+    return write_row(csv, b, &whole, &m->frame);
+}
+
+/* Before anything is measured: a place that cannot be written is found out at once. */
+static ssfr_result open_csv(bench *b, const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_aside_begin(&b->aside, path));
+    SSFR_TRY(ssfr_csv_create(&b->csv, b->aside.temporary, SSFR_COUNT(columns), columns, N_KEYS, false));
+end:
+    return result;
+}
+
+static ssfr_result write_csv(bench *b)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < b->timed->n_nodes; i++) SSFR_TRY(write_row(b->csv, b, &b->timed->reports[i], &b->timed->nodes[i]));
+    SSFR_TRY(write_frame(b->csv, b, "(frame)", b->frame));
+    SSFR_TRY(write_frame(b->csv, b, "(frame while timed)", b->timed));
+end:
+    ssfr_csv_destroy(&b->csv);
+    return ssfr_aside_end(&b->aside, result);
+}
+
+static ssfr_result save(bench *b, const char *path, const ssfr_command_line *line, int argc, char **argv)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_record scene = {0};
+    SSFR_TRY(ssfr_meta_record_scene(&scene, b->stage));
+    SSFR_TRY(write_csv(b));
+    SSFR_TRY(ssfr_meta_save(path, &(ssfr_meta){.argc = argc, .argv = argv, .seed = line->seed, .gl = b->setup.gl,
+                                               .pipeline = ssfr_pipeline_name(b->setup.pipeline), .graph = b->setup.graph,
+                                               .n_scenes = 1, .scenes = &scene,
+                                               .bandwidth_gl = b->setup.gl ? b->bandwidth : NAN,
+                                               .bandwidth_cpu = b->setup.gl ? NAN : b->bandwidth}));
+end:
+    ssfr_record_finish(&scene);
+    return result;
+}
+
+int ssfr_cmd_bench(int argc, char **argv)
+{
+    ssfr_result result = SSFR_OK;
+    bench_options options = {.scene = "double_dam_break"};
+    ssfr_setup_options setup_options;
+    ssfr_stage_options stage_options;
+    ssfr_command_line line;
+    bench b = {0};
+    const ssfr_option_set sets[] = {{"bench", rows, &options},
+                                    {"what runs", ssfr_setup_rows + 1, &setup_options}, /* the pipeline is an argument */
+                                    {"scene and view", ssfr_stage_rows, &stage_options},
+                                    {NULL, NULL, NULL}};
+    const ssfr_usage usage = {.command = argv[0], .arguments = "[PIPELINE]", .max_arguments = 1, .sets = sets,
+                              .help = "Times a pipeline (default vanderlaan2009), pass by pass: medians, work, and how far each "
+                                      "is from the time that moving its bytes takes."};
+    ssfr_setup_defaults(&setup_options);
+    ssfr_stage_defaults(&stage_options);
+    SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
+    if (line.help) goto end;
+    stage_options.seed = (uint64_t)line.seed;
+    if (line.arguments.n) setup_options.pipeline = line.arguments.items[0];
+    SSFR_TRY(ssfr_setup_init(&b.setup, &setup_options, NULL));
+    SSFR_TRY(ssfr_stage_create(&b.stage, options.scene, &stage_options));
+    if (options.output) SSFR_TRY(open_csv(&b, options.output));
+    SSFR_TRY(measure(&b, &options));
+    SSFR_TRY(print(&b));
+    if (options.output) SSFR_TRY(save(&b, options.output, &line, argc, argv));
+end:
+    ssfr_csv_destroy(&b.csv);
+    if (result != SSFR_OK) result = ssfr_aside_end(&b.aside, result);
+    ssfr_measured_destroy(&b.frame);
+    ssfr_measured_destroy(&b.timed);
+    ssfr_stage_destroy(&b.stage);
+    ssfr_setup_finish(&b.setup);
+    return ssfr_exit_status(result);
+}
