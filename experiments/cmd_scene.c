@@ -70,7 +70,7 @@ static ssfr_result add_kinds(ssfr_table *table, const uint32_t *kind, size_t n)
     size_t counts[MAX_KINDS] = {0}, others = 0;
     for (size_t i = 0; i < n; i++) *(kind[i] < MAX_KINDS ? &counts[kind[i]] : &others) += 1;
     for (int k = 0; k < MAX_KINDS; k++) {
-        char what[16];
+        char what[24];
         snprintf(what, sizeof what, "kind %d", k);
         if (counts[k]) SSFR_TRY(add_number(table, what, "particles", (double)counts[k]));
     }

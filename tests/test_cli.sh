@@ -121,6 +121,8 @@ that 'graph.json tells what was left out and why' grep -q '"why": "[^"]' dump/gr
 that 'graph.json holds the command line' grep -q '"command": "ssfr render block --dump dump' dump/graph.json
 that 'graph.json holds each parameter' grep -q '"curvature_flow.iterations": [0-9]' dump/graph.json
 accepts 'the dump is the picture' compare dump/color.exr block.exr --require max_abs==0
+that 'the EXR holds the camera' grep -aq camera.eye.x block.exr
+that 'the EXR holds each parameter' grep -aq curvature_flow.iterations block.exr
 accepts 'pass by pass' render block -o block.png $small --verbose
 that '--verbose says one line a pass' grep -q '^ssfr render: curvature_flow .* ms' err
 accepts 'without a word' render block -o block.png $small -q
@@ -138,6 +140,11 @@ printf '%s\n' ply 'format ascii 1.0' 'element vertex 3' 'property float x' 'prop
 refuses 'a position that is no number' 'three.ply' render three.ply -o a.exr $small
 accepts 'the same, dropped' render three.ply -o a.exr $small --drop-nonfinite
 that 'what was dropped is said' grep -q 'warning: .*dropped 1' err
+cp three.ply "it's three.ply"
+accepts 'a name that a shell takes apart' render "it's three.ply" --dump first $small --drop-nonfinite --set medium.ior=1.5
+redo=$(sed -n 's/.*"command": "ssfr \(.*\)",$/\1/p' first/graph.json | sed 's/\\\\/\\/g; s/first/second/')
+eval "accepts 'the command line in graph.json runs again' $redo"
+accepts 'and makes the same frame' compare second/color.exr first/color.exr --require max_abs==0
 accepts 'what is in a file' scene info three.ply --drop-nonfinite --radius 0.2385
 that 'scene info counts' grep -q "^particles	1	2$" out
 that 'scene info knows the radius' grep -q "^radius	m	0.2385$" out
