@@ -17,7 +17,7 @@ ssfr_gl *test_gl_or_skip(void)
     return gl;
 }
 
-/* ---- the context ------------------------------------------------------------------------------------------------*/
+/* ---- the context ------------------------------------------------------------------------------------------------ */
 
 static bool is_up(EGLDisplay display)
 {
@@ -38,19 +38,24 @@ static EGLDisplay any_display(void)
     return is_up(display) ? display : EGL_NO_DISPLAY;
 }
 
-bool test_host_create(test_host *host, int major, int minor, const EGLint *flags)
+bool test_host_try(test_host *host, EGLenum api, int major, int minor, const EGLint *flags)
 {
     EGLint attributes[16] = {EGL_CONTEXT_MAJOR_VERSION, major, EGL_CONTEXT_MINOR_VERSION, minor, EGL_NONE};
     int n = 4;
     for (const EGLint *flag = flags; flag && *flag != EGL_NONE && n < 15; flag++) attributes[n++] = *flag;
     attributes[n] = EGL_NONE;
     *host = (test_host){.display = any_display()};
-    if (host->display == EGL_NO_DISPLAY) skip_or_fail();
-    eglBindAPI(EGL_OPENGL_API);
+    if (host->display == EGL_NO_DISPLAY || !eglBindAPI(api)) return false;
     host->context = eglCreateContext(host->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
     if (!host->context) return false;
     test_host_make_current(host);
     return true;
+}
+
+void test_host_create(test_host *host, const EGLint *flags)
+{
+    test_clear_log();
+    if (!test_host_try(host, EGL_OPENGL_API, 4, 5, flags)) skip_or_fail();
 }
 
 void test_host_make_current(const test_host *host)
@@ -60,12 +65,14 @@ void test_host_make_current(const test_host *host)
 
 void test_host_destroy(test_host *host)
 {
+    if (!host->context) return;
     eglMakeCurrent(host->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    if (host->context) eglDestroyContext(host->display, host->context);
+    eglDestroyContext(host->display, host->context);
+    eglBindAPI(EGL_OPENGL_API); /* which is EGL_OPENGL_ES_API at first, and after a context of that kind */
     *host = (test_host){0};
 }
 
-/* ---- the state --------------------------------------------------------------------------------------------------*/
+/* ---- the state -------------------------------------------------------------------------------------------------- */
 
 #define NAME(x) {#x, x}
 

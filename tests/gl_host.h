@@ -16,9 +16,11 @@ typedef struct test_host {
 /* A context of ssfr's own. Without GL the test is skipped, or fails when the environment says GL=required. */
 ssfr_gl *test_gl_or_skip(void);
 
-/* Makes a context and makes it current; skips like test_gl_or_skip. flags: EGL_CONTEXT_OPENGL_DEBUG and the like, ended
- * by EGL_NONE, or NULL. False when the driver refuses this version. */
-bool test_host_create(test_host *host, int major, int minor, const EGLint *flags);
+/* A current GL 4.5 context, or a skip like test_gl_or_skip. flags: EGL_CONTEXT_OPENGL_DEBUG and the like, ended by
+ * EGL_NONE, or NULL. */
+void test_host_create(test_host *host, const EGLint *flags);
+/* A current context of another kind; false when the driver refuses it. */
+bool test_host_try(test_host *host, EGLenum api, int major, int minor, const EGLint *flags);
 void test_host_make_current(const test_host *host);
 void test_host_destroy(test_host *host);
 

@@ -74,8 +74,7 @@ static ssfr_result find_routes(routes *out, const char *forced)
     *out = (routes){0};
     if (!any && !software && strcmp(forced, "device") != 0)
         return ssfr_fail(SSFR_ERR_VALUE, "SSFR_GL=%s: expected software or device", forced);
-    const bool by_device = has_word(offered, "EGL_EXT_platform_device");
-    if (by_device) add_devices(out, !software);
+    if (has_word(offered, "EGL_EXT_platform_device")) add_devices(out, !software);
     if (!any && !software) return SSFR_OK;
     if (has_word(offered, "EGL_MESA_platform_surfaceless"))
         out->list[out->n++] = (route){"surfaceless", EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, false};
@@ -125,6 +124,7 @@ static ssfr_gl_current current(void)
                              eglGetCurrentSurface(EGL_READ), eglGetCurrentContext()};
 }
 
+/* EGL refuses while a context of another window system (GLX) is current in this thread. */
 static bool make_current(ssfr_gl *gl)
 {
     gl->previous = current();
@@ -183,7 +183,7 @@ static void destroy_context(ssfr_gl *gl)
     gl->vertex_array = gl->framebuffer = 0; /* gone with it */
 }
 
-/* Takes the route when it gives a context of the wanted kind. */
+/* Takes the route when it gives a context of the wanted kind; some devices turn out to be drawn in software. */
 static bool take_route(ssfr_gl *gl, const route *route, bool software, char *why, size_t size)
 {
     bool ok = false;
@@ -193,8 +193,8 @@ static bool take_route(ssfr_gl *gl, const route *route, bool software, char *why
         eglBindAPI(gl->previous.api);
     } else {
         read_context(gl);
-        ok = gl->software || !software;
-        if (!ok) snprintf(why, size, "%s: %.80s is no software renderer", route->name, gl->renderer);
+        ok = software ? gl->software : !(route->hardware && gl->software);
+        if (!ok) snprintf(why, size, "%s: not wanted, %.80s", route->name, gl->renderer);
         ok = make_previous_current(gl) && ok;
     }
     if (!ok) destroy_context(gl);
@@ -216,9 +216,10 @@ static ssfr_result create_own(ssfr_gl *gl)
         char why[160] = "";
         found = take_route(gl, &routes.list[i], software, why, sizeof why);
         if (!found) snprintf(tried + used, sizeof tried - used, "%s%s", used ? "; " : "", why);
-        if (!found && routes.list[i].hardware) ssfr_log(SSFR_WARNING, "a GPU is left unused: %s", why);
     }
     eglBindAPI(api);
+    if (found && gl->software && routes.list[0].hardware)
+        ssfr_log(SSFR_WARNING, "no GPU can be used, going on with %s: %s", gl->renderer, tried);
     if (found) return SSFR_OK;
     return ssfr_fail(SSFR_ERR_GL, "no GL 4.5 core context%s%s: %s", forced && forced[0] ? " with SSFR_GL=" : "",
                      forced ? forced : "", tried[0] ? tried : "EGL knows no device");
