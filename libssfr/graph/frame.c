@@ -209,7 +209,8 @@ static void list_tiles(ssfr_facts *facts)
 static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
 {
     ssfr_facts *facts = &frame->facts;
-    double nearest = INFINITY;
+    double nearest = INFINITY, sum = 0;
+    size_t n_seen = 0;
     int lo[2], hi[2];
     facts->n_particles = 0;
     facts->n_ranges = 0;
@@ -217,11 +218,16 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
     for (size_t i = 0; i < frame->n_packets; i++) {
         const bounds b = packet_bounds(frame, i, reach * frame->radius);
         const bool visible = box_pixels(frame, &b, lo, hi);
-        if (visible) nearest = fmin(nearest, -b.centre[2] - b.half[2]);
+        if (visible) {
+            nearest = fmin(nearest, -b.centre[2] - b.half[2]);
+            sum -= b.centre[2];
+            n_seen++;
+        }
         if (visible && !keep_all) mark_packet(frame, i, reach * frame->radius, lo, hi);
         if (visible || keep_all) add_packet(frame, i);
     }
     facts->nearest = fmax(nearest, frame->near);
+    facts->mean = fmax(n_seen ? sum / (double)n_seen : 0, frame->near);
     list_tiles(facts);
 }
 
@@ -324,7 +330,7 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     frame->facts.n_particles = n;
     frame->facts.n_ranges = n > 0;
     if (n) frame->facts.first[0] = 0, frame->facts.count[0] = (int)n;
-    frame->facts.nearest = frame->near;
+    frame->facts.nearest = frame->facts.mean = frame->near;
     memset(frame->facts.mask, 1, (size_t)frame->facts.tiles_x * (size_t)frame->facts.tiles_y);
     list_tiles(&frame->facts);
 end:

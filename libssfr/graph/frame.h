@@ -63,6 +63,7 @@ typedef struct ssfr_block {
 typedef struct ssfr_facts {
     size_t n_particles;   /* in packets that touch the view */
     double nearest;       /* m, no fluid surface in view is nearer to the eye plane; >= the camera's near */
+    double mean;          /* m, mean distance of the particles in view from the eye plane; >= near */
     int n_ranges;         /* runs of consecutive visible particles */
     int *first, *count;   /* of each run, in particles */
     int tiles_x, tiles_y; /* the image in tiles */

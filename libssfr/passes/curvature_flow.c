@@ -12,14 +12,19 @@
 #include "graph/draw.h"
 
 typedef struct curvature_flow_params {
-    int iterations, limit, cross_term, off_axis;
+    int iterations, reference, limit, cross_term, off_axis;
     double step, dt, depth_falloff;
 } curvature_flow_params;
+
+enum { SSFR_REFERENCE_MEAN, SSFR_REFERENCE_NEAREST };
+static const char *const references[] = {"mean", "nearest", NULL};
 
 static const ssfr_param rows[] = {
     SSFR_PARAM_INT(curvature_flow_params, iterations, "1", 40, 0, 100000, "Euler steps"),
     SSFR_PARAM_REAL(curvature_flow_params, step, "1", 0.9, 1e-6, 100,
-                    "the step as a share of the stability bound |z| C_x C_y / (C_x + C_y) at the nearest fluid"),
+                    "the step as a share of the stability bound |z| C_x C_y / (C_x + C_y) at the reference distance"),
+    SSFR_PARAM_CHOICE(curvature_flow_params, reference, references, SSFR_REFERENCE_MEAN,
+                      "where the bound is taken: the mean distance of the particles in view, or the nearest of them"),
     SSFR_PARAM_REAL(curvature_flow_params, dt, "m^2", 0, 0, 1e12, "the step itself; 0: by the share above"),
     SSFR_PARAM_FLAG(curvature_flow_params, limit, 1, "shorten the step where a pixel is nearer than its bound allows"),
     SSFR_PARAM_REAL(curvature_flow_params, depth_falloff, "radii", 5, 0, 1e6,
@@ -53,8 +58,10 @@ static void derive(const ssfr_run *run, void *coeffs)
     ssfr_curvature_flow_coeffs *c = coeffs;
     c->c[0] = b->image[2] * run->divisor, c->c[1] = b->image[3] * run->divisor;
     const double bound = c->c[0] * c->c[1] / (c->c[0] + c->c[1]); /* of dt, at |z| = 1 */
+    const ssfr_facts *facts = &run->frame->facts;
+    const double distance = p->reference == SSFR_REFERENCE_NEAREST ? facts->nearest : facts->mean;
     c->dt = p->dt;
-    if (p->dt == 0) c->dt = p->step * bound * run->frame->facts.nearest / (p->off_axis ? corner_factor(b) : 1);
+    if (p->dt == 0) c->dt = p->step * bound * distance / (p->off_axis ? corner_factor(b) : 1);
     c->limit = p->limit ? SSFR_CURVATURE_FLOW_SAFE * bound : SSFR_EMPTY;
     c->falloff = p->depth_falloff * run->frame->radius;
     c->divisor = run->divisor;

@@ -300,7 +300,7 @@ static bool write_column(hid_t group, const column *c)
         list > 0 && space > 0 ? H5Dcreate2(group, c->name, c->type, space, H5P_DEFAULT, list, H5P_DEFAULT) : -1;
     bool ok = dataset > 0 && write_text(dataset, "units", c->unit);
     if (c->n > 0) ok = ok && H5Dwrite(dataset, c->memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, c->values) >= 0;
-    ok = drop(dataset) && ok; /* which writes what is still in memory */
+    ok = drop(dataset) && ok; /* which compresses what is still waiting */
     drop(space);
     drop(list);
     return ok;
@@ -359,25 +359,55 @@ end:
     return result;
 }
 
+/* The whole file as HDF5 makes it in memory: HDF5 cannot clean up after a disk that was full. */
+static ssfr_result make_image(const ssfr_particles *set, const char *path, const char *temporary, char **out,
+                              size_t *size)
+{
+    enum { GROWTH = 1 << 20 /* bytes */ };
+    ssfr_result result = SSFR_OK;
+    const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
+    const hid_t file = list > 0 && H5Pset_fapl_core(list, GROWTH, false) >= 0
+                           ? H5Fcreate(temporary, H5F_ACC_TRUNC, H5P_DEFAULT, list)
+                           : -1;
+    if (file < 0) {
+        result = refused(SSFR_ERR_IO, path, "cannot make a file in memory");
+        goto end;
+    }
+    SSFR_TRY(write_group(set, file, path));
+    const ssize_t length = H5Fflush(file, H5F_SCOPE_GLOBAL) < 0 ? -1 : H5Fget_file_image(file, NULL, 0);
+    if (length > 0) SSFR_TRY(ssfr_alloc(out, (size_t)length, 1, "a file's image"));
+    if (length <= 0 || H5Fget_file_image(file, *out, (size_t)length) < 0) {
+        result = refused(SSFR_ERR_IO, path, "cannot make a file in memory");
+        goto end;
+    }
+    *size = (size_t)length;
+end:
+    drop(file);
+    drop(list);
+    return result;
+}
+
+static ssfr_result write_image(const char *path, const char *temporary, const char *image, size_t size)
+{
+    FILE *file = fopen(temporary, "wb");
+    bool ok = file && fwrite(image, 1, size, file) == size;
+    if (file) ok = fclose(file) == 0 && ok;
+    return ok ? SSFR_OK : ssfr_fail(SSFR_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
+}
+
 ssfr_result ssfr_hdf5_write(const ssfr_particles *particles, const char *path)
 {
     ssfr_result result = SSFR_OK;
     ssfr_aside aside = {0};
-    hid_t list = 0, file = 0;
+    char *image = NULL;
+    size_t size = 0;
     const guard g = enter();
     SSFR_TRY(ssfr_aside_begin(&aside, path));
-    list = access_list();
-    file = H5Fcreate(aside.temporary, H5F_ACC_TRUNC, H5P_DEFAULT, list);
-    if (file < 0) {
-        result = refused(SSFR_ERR_IO, path, "cannot be written");
-        goto end;
-    }
-    SSFR_TRY(write_group(particles, file, path));
-    if (H5Fflush(file, H5F_SCOPE_GLOBAL) < 0) result = refused(SSFR_ERR_IO, path, "cannot be written");
+    SSFR_TRY(make_image(particles, path, aside.temporary, &image, &size));
+    SSFR_TRY(write_image(path, aside.temporary, image, size));
 end:
-    if (file > 0 && H5Fclose(file) < 0 && result == SSFR_OK) result = refused(SSFR_ERR_IO, path, "cannot be written");
-    drop(list);
     result = ssfr_aside_end(&aside, result);
+    free(image);
     leave(g);
     return result;
 }

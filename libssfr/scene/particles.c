@@ -118,6 +118,17 @@ static ssfr_result measure(size_t n, const double *positions, box *bounds)
     return SSFR_OK;
 }
 
+/* The middle of [lo, hi], rounded to 2^-16 of the box. A centre of few digits leaves the differences of most
+ * floats to it exact, and stays the same when particles are written and read again. */
+static double find_centre(double lo, double hi)
+{
+    const double middle = 0.5 * lo + 0.5 * hi;
+    int exponent = 0;
+    frexp(0.5 * hi - 0.5 * lo, &exponent);
+    const double step = ldexp(1, exponent - 16);
+    return hi > lo && step > DBL_MIN ? rint(middle / step) * step : middle;
+}
+
 /* Fills packet p of the set: its box, and its particles' positions relative to the box's middle. */
 static void pack(ssfr_particles *set, size_t p, const double *positions, const uint32_t *order)
 {
@@ -126,7 +137,7 @@ static void pack(ssfr_particles *set, size_t p, const double *positions, const u
     box b = nothing;
     for (size_t i = first; i < last; i++) extend(&b, positions + 3 * (size_t)order[i]);
     for (size_t k = 0; k < 3; k++) {
-        packet->centre[k] = 0.5 * b.lo[k] + 0.5 * b.hi[k];
+        packet->centre[k] = find_centre(b.lo[k], b.hi[k]);
         packet->half[k] = 0;
         for (size_t i = first; i < last; i++) {
             const float relative = (float)(positions[3 * (size_t)order[i] + k] - packet->centre[k]);
@@ -199,14 +210,22 @@ void ssfr_particles_destroy(ssfr_particles **particles)
 
 void ssfr_particles_bounds(const ssfr_particles *particles, double lo[3], double hi[3])
 {
-    for (int k = 0; k < 3; k++) {
-        lo[k] = particles->n ? INFINITY : 0;
-        hi[k] = particles->n ? -INFINITY : 0;
-        for (size_t p = 0; p < particles->n_packets; p++) {
-            const ssfr_packet *packet = particles->packets + p;
-            lo[k] = fmin(lo[k], packet->centre[k] - (double)packet->half[k]);
-            hi[k] = fmax(hi[k], packet->centre[k] + (double)packet->half[k]);
+    box b = nothing;
+    for (size_t p = 0; p < particles->n_packets; p++) {
+        const ssfr_packet *packet = particles->packets + p;
+        bool beyond = false; /* only then its particles need a look */
+        for (int k = 0; k < 3; k++)
+            beyond = beyond || packet->centre[k] - (double)packet->half[k] < b.lo[k] ||
+                     packet->centre[k] + (double)packet->half[k] > b.hi[k];
+        for (size_t i = p * SSFR_PACKET; beyond && i < particles->n && i / SSFR_PACKET == p; i++) {
+            double at[3];
+            ssfr_particles_position(particles, i, at);
+            extend(&b, at);
         }
+    }
+    for (int k = 0; k < 3; k++) {
+        lo[k] = particles->n ? b.lo[k] : 0;
+        hi[k] = particles->n ? b.hi[k] : 0;
     }
 }
 
