@@ -141,7 +141,8 @@ refuses 'a position that is no number' 'three.ply' render three.ply -o a.exr $sm
 accepts 'the same, dropped' render three.ply -o a.exr $small --drop-nonfinite
 that 'what was dropped is said' grep -q 'warning: .*dropped 1' err
 cp three.ply "it's three.ply"
-accepts 'a name that a shell takes apart' render "it's three.ply" --dump first $small --drop-nonfinite --set medium.ior=1.5
+accepts 'a name that a shell takes apart' \
+    render "it's three.ply" --dump first $small --drop-nonfinite --set medium.ior=1.5
 redo=$(sed -n 's/.*"command": "ssfr \(.*\)",$/\1/p' first/graph.json | sed 's/\\\\/\\/g; s/first/second/')
 eval "accepts 'the command line in graph.json runs again' $redo"
 accepts 'and makes the same frame' compare second/color.exr first/color.exr --require max_abs==0
