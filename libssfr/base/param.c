@@ -81,6 +81,8 @@ static ssfr_result parse_set(const ssfr_param *row, const char *key, const char 
         const size_t length = strcspn(at, ",");
         const int word = find_word(row, at, length);
         if (word < 0) return fail_words(row, key, text);
+        if (bits >> word & 1u)
+            return ssfr_fail(SSFR_ERR_VALUE, "%s=%s: %s stands in it twice", key, text, row->words[word]);
         bits |= 1u << word;
         at = at[length] ? at + length + 1 : NULL;
     }

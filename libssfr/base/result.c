@@ -42,6 +42,9 @@ static void log_va(ssfr_level level, const char *where, const char *format, va_l
 {
     char text[1024];
     vsnprintf(text, sizeof text, format, args);
+    /* A value from outside may hold line ends: the log keeps to one line. */
+    for (char *at = text; *at; at++)
+        if (*at == '\n' || *at == '\r') *at = ' ';
     log_fn(log_user, level, where, text);
 }
 
