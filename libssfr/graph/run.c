@@ -215,8 +215,8 @@ static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
     ssfr_result result = SSFR_OK;
     ssfr_gl_baseline(graph->gl);
     ssfr_gl_push(graph->gl, n->pass->name);
-    bind_shared(graph);
     if (n->pass->uses_ids) SSFR_TRY(upload_ids(graph));
+    bind_shared(graph);
     SSFR_TRY(fill_draw(graph, n));
     for (int i = 0; n->pass->programs[i].vert; i++) set_uniforms(n, i);
     if (n->pass->gl_run) SSFR_TRY(n->pass->gl_run(&n->run));
@@ -251,13 +251,14 @@ static ssfr_result run_node(ssfr_graph *graph, int i, bool timing)
     ssfr_result result = SSFR_OK;
     node *n = &graph->nodes[i];
     ssfr_node_report *report = &graph->reports[i];
+    /* A software rasteriser stamps what shares a target at one time, unless it is flushed in between. */
     const bool flush = timing && graph->gl && ssfr_gl_is_software(graph->gl);
     SSFR_TRY(ensure_images(graph, n));
     if (n->pass->derive) n->pass->derive(&n->run, n->coeffs);
     if (graph->gl) {
         if (timing) ssfr_timers_start(&graph->timers, i);
+        if (flush) glFlush();
         result = run_on_gpu(graph, n);
-        /* On a software rasteriser passes that are not flushed share one timestamp. */
         if (flush) glFinish();
         if (timing) ssfr_timers_stop(&graph->timers, i);
     } else {
