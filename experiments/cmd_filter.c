@@ -144,7 +144,7 @@ static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const fi
 {
     ssfr_result result = SSFR_OK;
     char *channels = NULL;
-    *in = (inputs){.range = {INFINITY, 0}};
+    *in = (inputs){0};
     SSFR_TRY(ssfr_exr_channels(file, &channels));
     for (int k = 0; pass->inputs[k].name; k++) {
         const source from = find_source(pass, k, options, file, channels);
@@ -155,7 +155,7 @@ static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const fi
         goto end;
     }
     warn_of_empty(pass, options, file, channels);
-    if (in->range.farthest == 0 && ssfr_channels_include(channels, "Z"))
+    if (in->range.n == 0 && ssfr_channels_include(channels, "Z"))
         ssfr_log(SSFR_WARNING, "%s: no pixel of Z is a surface; is --depth right?", file);
 end:
     free(channels);
@@ -164,22 +164,29 @@ end:
 
 /* ---- running ----------------------------------------------------------------------------------------------------- */
 
-/* The graph learns how near the surface is from particles: one stands at the nearest pixel. */
+/* The graph learns from packets of particles where the fluid is: one stands at the nearest pixel, the other as far
+ * behind as makes their mean distance that of all pixels. */
+static ssfr_result make_stand_ins(ssfr_particles **out, const ssfr_depth_range *range, double radius)
+{
+    static double positions[2 * SSFR_PACKET][3];
+    const ssfr_particles given = {.radius = radius};
+    const double nearest = range->n ? range->nearest : 1, mean = range->n ? range->sum / (double)range->n : 1;
+    for (int i = 0; i < 2 * SSFR_PACKET; i++) positions[i][2] = i < SSFR_PACKET ? -nearest : nearest - 2 * mean;
+    return ssfr_particles_create(out, 2 * SSFR_PACKET, positions[0], &given);
+}
+
 static ssfr_result run_pass(ssfr_graph *graph, const filter_options *options, const inputs *in)
 {
     static const double origin[3] = {0, 0, 0}, up[3] = {0, 1, 0}, ahead[3] = {0, 0, -1};
-    const bool any = in->range.farthest > 0;
-    const double nearest = any ? in->range.nearest : 1, stand_in[3] = {0, 0, -nearest};
-    const ssfr_particles given = {.radius = options->radius};
     const ssfr_run_options run = {.keep_all = true, .timing = true};
     ssfr_result result = SSFR_OK;
     ssfr_particles *particles = NULL;
     ssfr_scene scene = {.floor = -INFINITY};
-    SSFR_TRY(ssfr_particles_create(&particles, 1, stand_in, &given));
+    SSFR_TRY(make_stand_ins(&particles, &in->range, options->radius));
     scene.particles = particles;
     SSFR_TRY(ssfr_camera_look(&scene.camera, origin, ahead, up, options->fov_deg * acos(-1) / 180, in->w, in->h));
-    scene.camera.near = nearest;
-    scene.camera.far = 1.01 * (any ? in->range.farthest : nearest);
+    scene.camera.near = in->range.n ? in->range.nearest : 1;
+    scene.camera.far = 1.01 * fmax(in->range.farthest, scene.camera.near);
     SSFR_TRY(ssfr_graph_run(graph, &scene, &run));
     const ssfr_node_report *node = &ssfr_graph_report(graph)->nodes[0];
     ssfr_log(SSFR_INFO, "%s: %.3f ms, %.1f taps/px, %g sweeps", node->node, node->ms, node->taps, node->iterations);

@@ -29,7 +29,10 @@ void ssfr_depth_convert(const ssfr_depth_format *format, ssfr_field *field, ssfr
     for (size_t i = 0; i < n; i++) {
         const double distance = ssfr_depth_distance(format, field->data[i]);
         field->data[i] = isnan(distance) ? -SSFR_EMPTY : -distance;
-        range->nearest = fmin(range->nearest, distance); /* fmin and fmax pass over NaN */
+        if (isnan(distance)) continue;
+        range->nearest = range->n ? fmin(range->nearest, distance) : distance;
         range->farthest = fmax(range->farthest, distance);
+        range->sum += distance;
+        range->n++;
     }
 }

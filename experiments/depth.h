@@ -18,15 +18,18 @@ typedef struct ssfr_depth_format {
     double near, far; /* m, of window depth; far 0: infinitely far */
 } ssfr_depth_format;
 
-typedef struct ssfr_depth_range { /* m, distances along the view axis */
-    double nearest, farthest;     /* inf and 0 where there is no surface */
+typedef struct ssfr_depth_range { /* of distances along the view axis, m */
+    double nearest, farthest;
+    double sum; /* over the n surface pixels */
+    size_t n;
 } ssfr_depth_range;
 
 /* Distance along the view axis, m; NaN where the stored value shows no surface: not in front of the eye, on or beyond
  * the far plane of window depth, beyond SSFR_SURFACE, not finite. */
 double ssfr_depth_distance(const ssfr_depth_format *format, double stored);
 
-/* To eye-space z in place, -SSFR_EMPTY where there is no surface; widens the range. */
+/* To eye-space z in place, -SSFR_EMPTY where there is no surface; adds the surface's pixels to the range, which
+ * starts zeroed. */
 void ssfr_depth_convert(const ssfr_depth_format *format, ssfr_field *field, ssfr_depth_range *range);
 
 #endif

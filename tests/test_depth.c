@@ -68,7 +68,7 @@ static void an_image_is_converted_in_place_and_its_range_told(void **state)
 {
     (void)state;
     const ssfr_depth_format positive = {.kind = SSFR_DEPTH_POSITIVE};
-    ssfr_depth_range range = {INFINITY, 0};
+    ssfr_depth_range range = {0};
     ssfr_field *field = NULL;
     assert_int_equal(ssfr_field_create(&field, 3, 2, 1), SSFR_OK);
     const double values[] = {0, 2.385, 0.5, NAN, 7.75, 1e30}, expected[] = {-1e30, -2.385, -0.5, -1e30, -7.75, -1e30};
@@ -77,6 +77,11 @@ static void an_image_is_converted_in_place_and_its_range_told(void **state)
     for (size_t i = 0; i < SSFR_COUNT(values); i++) assert_close(field->data[i], expected[i], 0, 0);
     assert_close(range.nearest, 0.5, 0, 0);
     assert_close(range.farthest, 7.75, 0, 0);
+    assert_close(range.sum, 2.385 + 0.5 + 7.75, 0, 1e-15);
+    assert_int_equal(range.n, 3);
+    ssfr_depth_convert(&(ssfr_depth_format){.kind = SSFR_DEPTH_EYE}, field, &range); /* the same again: now z */
+    assert_int_equal(range.n, 6);
+    assert_close(range.nearest, 0.5, 0, 0);
     ssfr_field_destroy(&field);
 }
 
