@@ -88,6 +88,8 @@ $(SHARED): $(LIB_OBJ)
 
 # ---- experiments and tests -----------------------------------------------------------------------------------------
 
+$(BUILD)/experiments/scenes/embedded.o: experiments/scenes/data/double_dam_break.h5
+
 $(SSFR): $(BUILD)/experiments/main.o $(APP) $(METRICS) $(STATIC)
 	$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
 

@@ -19,5 +19,6 @@ void main()
     float dx = fetch(t_noise, p + ivec2(1, 0)).x - fetch(t_noise, p - ivec2(1, 0)).x;
     float dy = fetch(t_noise, p - ivec2(0, 1)).x - fetch(t_noise, p + ivec2(0, 1)).x; // upwards
     vec3 normal = fetch(t_normal, p).xyz;
-    o_shading_normal = vec4(normalize(normal - vec3(u_height * vec2(dx, dy) / (2.0 * u_c * abs(z)), 0.0)), 0.0);
+    // Waves of height 0 are the identity to the last bit: leaving this pass out must change nothing.
+    o_shading_normal = u_height == 0.0 ? vec4(normal, 0.0) : vec4(normalize(normal - vec3(u_height * vec2(dx, dy) / (2.0 * u_c * abs(z)), 0.0)), 0.0);
 }

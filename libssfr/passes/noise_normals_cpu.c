@@ -11,7 +11,7 @@ static void disturb(const ssfr_run *run, int x, int y, const double *normal, dou
     out[0] = normal[0] - c->height * dx / (2 * c->c[0] * fabs(z));
     out[1] = normal[1] - c->height * dy / (2 * c->c[1] * fabs(z));
     out[2] = normal[2];
-    ssfr_normalize(out);
+    if (c->height > 0) ssfr_normalize(out); /* height 0 is the identity to the last bit */
 }
 
 void ssfr_noise_normals_cpu(const ssfr_run *run)
