@@ -27,8 +27,9 @@ static const ssfr_uniform uniforms[] = {
 static void derive(const ssfr_run *run, void *coeffs)
 {
     const upsample_params *p = run->params;
+    const int filter = run->divisor_in == 1 ? 0 : p->filter; /* at full resolution nothing is between pixels */
     *(ssfr_upsample_coeffs *)coeffs = (ssfr_upsample_coeffs){
-        .falloff = p->depth_falloff * run->frame->radius, .factor = run->divisor_in, .filter = p->filter};
+        .falloff = p->depth_falloff * run->frame->radius, .factor = run->divisor_in, .filter = filter};
 }
 
 static bool needed(const ssfr_run *run)
