@@ -14,9 +14,9 @@ static bytes make_file(ssfr_encoding encoding, ssfr_scalar type)
     static const char *const names[] = {"vx", "vy", "vz", "density", "lifetime", "neighbors", "id", "type"};
     bytes b = {0};
     put_text(&b, "ply\r\nformat %s 1.0\ncomment particle radius 0.02385 m, and more\n", formats[encoding]);
-    put_text(&b, "obj_info none\nelement camera 2\nproperty float focus\nproperty list uchar short bends\nelement vertex 3\n");
-    put_text(&b, "property list uchar int around\nproperty double z\nproperty float colour\nproperty double x\n");
-    put_text(&b, "property float y\n");
+    put_text(&b, "obj_info none\nelement camera 2\nproperty float focus\nproperty list uchar short bends\n");
+    put_text(&b, "element vertex 3\nproperty list uchar int around\nproperty double z\nproperty float colour\n");
+    put_text(&b, "property double x\nproperty float y\n");
     for (size_t k = 0; k < SSFR_COUNT(names); k++) put_text(&b, "property %s %s\n", type_names[type], names[k]);
     put_text(&b, "element face 1\nproperty list uchar int vertex_indices\nend_header\n");
     const bool big = encoding == SSFR_BIG_ENDIAN, ascii = encoding == SSFR_ASCII;
@@ -186,7 +186,7 @@ static void vertices_without_whole_vectors_are_refused(void **state)
     (void)state;
     assert_refused(ascii("element vertex 1\nproperty float x\nproperty float z\n", "1 2\n"), SSFR_ERR_FORMAT,
                    "lack x, y or z");
-    assert_refused(ascii("element vertex 1\nproperty list uchar float x\nproperty float y\nproperty float z\n", "0 1\n"),
+    assert_refused(ascii("element vertex 1\nproperty list int int x\nproperty float y\nproperty float z\n", "0 1 2\n"),
                    SSFR_ERR_FORMAT, "lack x, y or z");
     assert_refused(ascii(ONE "property float vx\n", "1 2 3 4\n"), SSFR_ERR_FORMAT, "lack a component of velocity");
     assert_refused(ascii(ONE "property float x\n", "1 2 3 4\n"), SSFR_ERR_FORMAT, "two vertex properties for what x");

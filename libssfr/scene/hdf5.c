@@ -101,12 +101,13 @@ static ssfr_result check_units(const source *s, hid_t dataset, const char *name,
     return result;
 }
 
-/* Whether the type in the file can be read as float or uint32_t without harm. */
+/* Whether the type in the file can be read as float or uint32_t without harm. A damaged file may say any size. */
 static bool type_fits(hid_t type, bool real)
 {
     const H5T_class_t class = H5Tget_class(type);
-    if (real) return class == H5T_FLOAT;
-    return class == H5T_INTEGER && H5Tget_sign(type) == H5T_SGN_NONE && H5Tget_size(type) <= SSFR_ARRAY_VALUE;
+    const size_t size = H5Tget_size(type);
+    if (real) return class == H5T_FLOAT && size >= 2 && size <= sizeof(double);
+    return class == H5T_INTEGER && H5Tget_sign(type) == H5T_SGN_NONE && size >= 1 && size <= SSFR_ARRAY_VALUE;
 }
 
 /* Checks a dataset's type and shape (n x count, or n) and that the file can hold it, however well deflated. */
