@@ -120,8 +120,11 @@ ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options *options)
     ssfr_camera camera;
     double lo[3], hi[3], target[3], from[3], eye[3], up[3];
     const double fov = options->fov_deg * acos(-1) / 180;
+    const double top = stage->builtin ? stage->builtin->top : 0;
     ssfr_stage_bounds(stage, lo, hi);
     if (stage->particles->n == 0) empty_box(lo, hi);
+    const double highest = hi[1];
+    if (top > lo[1]) hi[1] = fmin(hi[1], top);
     for (int k = 0; k < 3; k++) target[k] = isnan(options->target[0]) ? 0.5 * (lo[k] + hi[k]) : options->target[k];
     choose_direction(stage, options, lo, hi, target, from);
     choose_up(options, from, up);
@@ -131,6 +134,7 @@ ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options *options)
         const double distance = framing_distance(&camera, lo, hi, target);
         for (int k = 0; k < 3; k++) camera.eye[k] = target[k] + distance * camera.back[k];
     }
+    hi[1] = highest;
     set_range(&camera, lo, hi, 2 * stage->particles->radius);
     stage->scene.camera = camera;
 end:

@@ -10,6 +10,7 @@ typedef struct ssfr_builtin {
     /* Makes the particles; the same seed gives the same bits. */
     ssfr_result (*make)(ssfr_particles **out, uint64_t seed);
     double from[3]; /* world direction from the middle towards the eye; zero: the default of a bare file */
+    double top;     /* m, world y: the default view frames what is below it; 0: everything */
     double floor;   /* m, world y; NaN: just below the particles; -inf: none */
     int n_solids;
     const ssfr_solid *solids;
