@@ -313,6 +313,25 @@ static void counts_that_the_file_cannot_hold_are_refused(void **state)
     assert_refused(make_file("particles", &radius, 1, &larger), SSFR_ERR_FORMAT, "576460752303423488 particles do");
 }
 
+static void deflated_chunks_larger_than_the_dataset_are_refused(void **state)
+{
+    (void)state;
+    const char *path = make_file("particles", &radius, 0, NULL);
+    const hsize_t dims[2] = {3, 3}, most[2] = {H5S_UNLIMITED, 3}, chunk[2] = {4, 3};
+    const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), list = H5Pcreate(H5P_DATASET_CREATE);
+    const hid_t space = H5Screate_simple(2, dims, most);
+    H5Pset_chunk(list, 2, chunk);
+    H5Pset_deflate(list, 1);
+    const hid_t id =
+        H5Dcreate2(file, "particles/position", H5T_IEEE_F64LE, space, H5P_DEFAULT, list, H5P_DEFAULT);
+    assert_true(H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    H5Dclose(id);
+    H5Sclose(space);
+    H5Pclose(list);
+    H5Fclose(file);
+    assert_refused(path, SSFR_ERR_FORMAT, "position: deflated chunks are larger than the dataset");
+}
+
 static void a_radius_is_one_number_above_zero(void **state)
 {
     (void)state;
@@ -468,6 +487,7 @@ int main(void)
         cmocka_unit_test(datasets_of_another_kind_are_refused),
         cmocka_unit_test(files_without_particles_are_refused),
         cmocka_unit_test(counts_that_the_file_cannot_hold_are_refused),
+        cmocka_unit_test(deflated_chunks_larger_than_the_dataset_are_refused),
         cmocka_unit_test(a_radius_is_one_number_above_zero),
         cmocka_unit_test(values_that_are_not_finite_are_refused_or_dropped),
         cmocka_unit_test(a_file_cut_anywhere_never_harms),

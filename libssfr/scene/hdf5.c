@@ -110,6 +110,21 @@ static bool type_fits(hid_t type, bool real)
     return class == H5T_INTEGER && H5Tget_sign(type) == H5T_SGN_NONE && size >= 1 && size <= SSFR_ARRAY_VALUE;
 }
 
+/* HDF5 trusts a file that a deflated chunk fills the room that a chunk has. A chunk larger than the dataset, which a
+ * damaged file may have, would let it read past the end. */
+static bool chunks_fit(hid_t dataset, int rank, const hsize_t dims[2])
+{
+    const hid_t list = H5Dget_create_plist(dataset);
+    hsize_t chunk[2] = {0, 0};
+    bool fit = list > 0;
+    if (fit && H5Pget_layout(list) == H5D_CHUNKED && H5Pget_nfilters(list) > 0) {
+        fit = H5Pget_chunk(list, rank, chunk) == rank;
+        for (int k = 0; k < rank; k++) fit = fit && chunk[k] <= dims[k];
+    }
+    drop(list);
+    return fit;
+}
+
 /* Checks a dataset's type and shape (n x count, or n) and that the file can hold it, however well deflated. */
 static ssfr_result check_dataset(const source *s, hid_t dataset, const char *name, size_t count, bool real, size_t *n)
 {
@@ -126,6 +141,8 @@ static ssfr_result check_dataset(const source *s, hid_t dataset, const char *nam
     } else if (dims[0] > s->size * DEFLATE_MOST / (count * H5Tget_size(type))) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: %llu particles do not fit into a file of %zu bytes", path, name,
                            (unsigned long long)dims[0], s->size);
+    } else if (!chunks_fit(dataset, rank, dims)) {
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: deflated chunks are larger than the dataset", path, name);
     }
     *n = (size_t)dims[0];
     drop(type);
