@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* cmd_check.c: `ssfr check`: both twins of each pass on the same input, and where they differ. */
+#include "experiments/capture.h"
 #include "experiments/command.h"
 #include "experiments/console.h"
 #include "experiments/corners.h"
@@ -35,7 +36,7 @@ typedef struct check {
     const ssfr_pass *only; /* NULL: all passes */
     ssfr_gl *gl;
     ssfr_table table;
-    size_t n_compared, n_failed;
+    size_t n_compared, n_failed, n_refused;
 } check;
 
 /* ---- settings ------------------------------------------------------------------------------------------------------ */
@@ -158,14 +159,26 @@ end:
     return result;
 }
 
+/* A corner that this GPU does not support is no disagreement. */
 static ssfr_result compare(check *c, const ssfr_pass *pass, const ssfr_stage *stage, const char *corner)
 {
     ssfr_result result = SSFR_OK;
     const char *settings[MAX_SETTINGS];
     ssfr_twins_row outputs[SSFR_MAX_OUTPUTS] = {0};
+    char error[SSFR_CAPTURE_SIZE];
     int n = 0;
     collect_settings(c, pass, corner, settings);
-    SSFR_TRY(ssfr_twins_compare(pass, &stage->scene, c->gl, settings, outputs, &n));
+    ssfr_capture_begin("check");
+    result = ssfr_twins_compare(pass, &stage->scene, c->gl, settings, outputs, &n);
+    ssfr_capture_end(error);
+    if (result == SSFR_ERR_UNSUPPORTED && corner[0]) {
+        c->n_refused++;
+        ssfr_log(SSFR_INFO, "%s on %s: %s", ssfr_pass_name(pass), stage->name, error);
+        result = SSFR_OK;
+    } else if (result != SSFR_OK) {
+        ssfr_log(SSFR_ERROR, "%s on %s: %s", ssfr_pass_name(pass), stage->name, error);
+    }
+    if (result != SSFR_OK) goto end;
     for (int i = 0; i < n; i++) {
         char name[512];
         name_file(pass, &outputs[i], stage->name, corner, name, sizeof name);
@@ -216,7 +229,9 @@ end:
     ssfr_console_progress("check", 1, 1);
     if (result == SSFR_OK) {
         ssfr_table_print(&c->table, stdout);
-        printf("%zu outputs compared, %zu failed\n", c->n_compared, c->n_failed);
+        printf("%zu outputs compared, %zu failed", c->n_compared, c->n_failed);
+        if (c->n_refused) printf("; %zu settings that this GPU does not support (--verbose says which)", c->n_refused);
+        printf("\n");
     }
     return result;
 }

@@ -55,7 +55,7 @@ bool ssfr_corner_at(const ssfr_pass *pass, int i, char *text, size_t size)
     bool found = i == 0;
     int left = i - 1;
     for (const ssfr_param *row = ssfr_pass_params(pass); row && row->name && !found; row++)
-        for (int k = 0; row_at(row, k, text, size) && !found; k++) found = left-- == 0;
+        for (int k = 0; !found && row_at(row, k, text, size); k++) found = left-- == 0;
     if (i == 0 || !found) text[0] = '\0';
     return found;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sweep.c: the product of the axes, row by row into a CSV that can be gone on with. */
 #include "experiments/sweep.h"
+#include "experiments/capture.h"
 #include "experiments/console.h"
 #include "experiments/csv.h"
 #include "experiments/meta.h"
@@ -113,21 +114,6 @@ static ssfr_result check_plot(const sweep *s)
 
 /* ---- rows ---------------------------------------------------------------------------------------------------------- */
 
-/* While a run is made its errors go to its row; the rest of the log goes where it always goes. */
-static char run_error[512];
-
-static void keep_error(void *user, ssfr_level level, const char *where, const char *text)
-{
-    (void)user, (void)where;
-    if (level == SSFR_ERROR) {
-        if (!run_error[0]) snprintf(run_error, sizeof run_error, "%s", text);
-        return;
-    }
-    ssfr_console_open("sweep");
-    ssfr_log(level, "%s", text);
-    ssfr_log_to(keep_error, NULL);
-}
-
 static ssfr_result write_row(sweep *s, const key *k, const char *status, const double values[SSFR_N_COLUMNS])
 {
     ssfr_result result = SSFR_OK;
@@ -143,12 +129,12 @@ end:
 static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const key *k)
 {
     double values[SSFR_N_COLUMNS];
-    run_error[0] = '\0';
-    ssfr_log_to(keep_error, NULL);
+    char error[SSFR_CAPTURE_SIZE];
+    ssfr_capture_begin("sweep");
     const ssfr_result made = ssfr_rig_run(s->rig, index, values);
-    ssfr_console_open("sweep");
+    ssfr_capture_end(error);
     s->n_failed += made != SSFR_OK;
-    return write_row(s, k, made == SSFR_OK ? "ok" : run_error[0] ? run_error : ssfr_result_text(made), values);
+    return write_row(s, k, made == SSFR_OK ? "ok" : error[0] ? error : ssfr_result_text(made), values);
 }
 
 static volatile sig_atomic_t stop;
