@@ -379,6 +379,28 @@ static void a_file_cut_anywhere_never_harms(void **state)
     ssfr_particles_destroy(&particles);
 }
 
+static void damaged_values_are_refused(void **state)
+{
+    (void)state;
+    char *data = NULL;
+    size_t size = 0, n_streams = 0;
+    ssfr_particles *particles = make_particles(100, 0, 0);
+    save(particles, test_path("whole.h5"));
+    assert_int_equal(ssfr_read_file(test_path("whole.h5"), 1u << 20, &data, &size), SSFR_OK);
+    for (size_t i = 0; i + 4 < size; i++) {
+        const unsigned char kept = (unsigned char)data[i + 2];
+        const unsigned header = (unsigned)(unsigned char)data[i] << 8 | (unsigned char)data[i + 1];
+        if (header != 0x785e && header != 0x789c) continue; /* of a deflated stream */
+        data[i + 2] = (char)0xff; /* no kind of block */
+        assert_refused(particle_file("damaged.h5", data, size), SSFR_ERR_FORMAT, ": inflate() failed");
+        n_streams++;
+        data[i + 2] = (char)kept;
+    }
+    assert_int_equal(n_streams, 1 + SSFR_N_ARRAYS);
+    free(data);
+    ssfr_particles_destroy(&particles);
+}
+
 static void what_is_no_file_is_refused(void **state)
 {
     (void)state;
@@ -491,6 +513,7 @@ int main(void)
         cmocka_unit_test(a_radius_is_one_number_above_zero),
         cmocka_unit_test(values_that_are_not_finite_are_refused_or_dropped),
         cmocka_unit_test(a_file_cut_anywhere_never_harms),
+        cmocka_unit_test(damaged_values_are_refused),
         cmocka_unit_test(what_is_no_file_is_refused),
         cmocka_unit_test(errors_are_not_printed_and_the_hosts_printer_stays),
         cmocka_unit_test(threads_may_load_and_save_at_once),
