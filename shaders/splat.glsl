@@ -55,8 +55,11 @@ Fragment meet_sphere()
     f.back = v_z - rise;
     f.chord = 2.0 * rise;
 #endif
-    float near = frame.horizon.w;
-    if (f.back > -near) discard;
-    f.front = min(f.front, -near); // the eye is inside the sphere
+    float near = -frame.horizon.w;
+    if (f.back > near) discard;
+    if (f.front > near) { // the eye is inside the sphere: what the ray sees of it begins at the near plane
+        f.chord *= (near - f.back) / (f.front - f.back);
+        f.front = near;
+    }
     return f;
 }

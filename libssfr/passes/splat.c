@@ -38,7 +38,11 @@ void ssfr_splat_work(const ssfr_run *run, ssfr_node_report *report)
 static ssfr_result splat_gl(const ssfr_run *run, ssfr_splat_blend blend)
 {
     const ssfr_splat *splat = run->coeffs;
+    const double largest = ssfr_gl_get_limits(run->draw->gl)->point_px;
     const ssfr_splat_primitive primitive = splat->form == SSFR_SPLAT_POINT ? SSFR_POINTS : SSFR_QUADS;
+    if (primitive == SSFR_POINTS && splat->max_point_px > largest) /* the driver would cut them without a word */
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "max_point_px %g: this GPU draws points of up to %g px",
+                         splat->max_point_px, largest);
     return ssfr_draw_splats(run, run->draw->programs[splat->form], primitive, blend);
 }
 

@@ -65,7 +65,7 @@ typedef struct ssfr_fragment { /* where a pixel's ray meets a particle's sphere 
     double r2;     /* a^2 + b^2, <= 1 */
     double front;  /* m, eye-space z of the nearest point, not behind the near plane */
     double back;   /* m, of the farthest */
-    double chord;  /* m, length of the ray inside the sphere */
+    double chord;  /* m, length of the ray inside the sphere, from the near plane on */
 } ssfr_fragment;
 
 /* Calls shade for every pixel of every particle in view, in the particles' order at each pixel. */

@@ -81,6 +81,13 @@ static bool hit_sphere(const ssfr_run *run, const ssfr_splat *splat, const footp
     return true;
 }
 
+/* The eye is inside the sphere: what the ray sees of it begins at the near plane. */
+static void cut_front(ssfr_fragment *frag, double near)
+{
+    frag->chord *= (near - frag->back) / (frag->front - frag->back);
+    frag->front = near;
+}
+
 static void splat_particle(const ssfr_run *run, const ssfr_splat *splat, size_t i, int y0, int y1, ssfr_splat_shade *shade)
 {
     footprint f;
@@ -94,7 +101,7 @@ static void splat_particle(const ssfr_run *run, const ssfr_splat *splat, size_t 
         for (frag.x = x_lo; frag.x < x_hi; frag.x++) {
             const bool hit = exact ? hit_sphere(run, splat, &f, &frag) : hit_disc(splat, &f, &frag);
             if (!hit || frag.back > -run->frame->near) continue;
-            frag.front = fmin(frag.front, -run->frame->near); /* the eye is inside the sphere */
+            if (frag.front > -run->frame->near) cut_front(&frag, -run->frame->near);
             shade(run, &frag, ssfr_field_at(run->out[0], frag.x, frag.y));
         }
 }
