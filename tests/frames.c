@@ -102,7 +102,8 @@ void test_graph_set(ssfr_graph *graph, const char *const *settings)
         const size_t length = strcspn(settings[i], "=");
         assert_true(length < sizeof key && settings[i][length]);
         snprintf(key, sizeof key, "%.*s", (int)length, settings[i]);
-        if (ssfr_graph_set(graph, key, settings[i] + length + 1) != SSFR_OK) fail_msg("%s: %s", settings[i], test_last_error());
+        if (ssfr_graph_set(graph, key, settings[i] + length + 1) != SSFR_OK)
+            fail_msg("%s: %s", settings[i], test_last_error());
     }
 }
 
@@ -115,7 +116,8 @@ ssfr_field *test_graph_read(const ssfr_graph *graph, const char *slot)
 
 ssfr_field *test_graph_picture(ssfr_graph *graph, const ssfr_scene *scene, const char *slot, bool keep_all)
 {
-    if (ssfr_graph_run(graph, scene, &(ssfr_run_options){.keep_all = keep_all}) != SSFR_OK) fail_msg("%s", test_last_error());
+    const ssfr_run_options options = {.keep_all = keep_all};
+    if (ssfr_graph_run(graph, scene, &options) != SSFR_OK) fail_msg("%s", test_last_error());
     return test_graph_read(graph, slot);
 }
 

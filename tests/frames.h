@@ -24,8 +24,10 @@ void test_scene_destroy(test_scene *s);
 ssfr_gl *test_shared_gl(void);
 int test_shared_gl_destroy(void **state); /* group teardown */
 
-/* A test's entry for the CPU and one for the GPU; test_backend gives NULL in the first and the shared GL in the second. */
-#define ON_BOTH(test) {#test "_on_the_cpu", test, NULL, NULL, NULL}, {#test "_on_the_gpu", test, NULL, NULL, test_on_gpu}
+/* A test's entries for the CPU and the GPU; test_backend gives NULL in the first and the shared GL in the second. */
+#define ON_BOTH(test)                                  \
+    {#test "_on_the_cpu", test, NULL, NULL, NULL},     \
+    {#test "_on_the_gpu", test, NULL, NULL, test_on_gpu}
 extern char test_on_gpu[];
 ssfr_gl *test_backend(void **state);
 

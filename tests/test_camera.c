@@ -91,9 +91,11 @@ static void angles_of_view_lie_between_0_and_pi(void **state)
     const double bad[] = {0, -0.1, pi, 3.2, (double)NAN, INFINITY, -INFINITY};
     ssfr_camera c = {.w = -1};
     for (size_t i = 0; i < SSFR_COUNT(bad); i++)
-        assert_fails(SSFR_ERR_VALUE, ssfr_camera_look(&c, eye, target, y_axis, bad[i], 64, 48), "rad is not in (0, pi)");
+        assert_fails(SSFR_ERR_VALUE, ssfr_camera_look(&c, eye, target, y_axis, bad[i], 64, 48),
+                     "rad is not in (0, pi)");
     assert_int_equal(c.w, -1); /* untouched */
-    const ssfr_camera narrow = look(eye, target, y_axis, 1e-6, 64, 48), wide = look(eye, target, y_axis, 3.1415, 64, 48);
+    const ssfr_camera narrow = look(eye, target, y_axis, 1e-6, 64, 48);
+    const ssfr_camera wide = look(eye, target, y_axis, 3.1415, 64, 48);
     assert_close(narrow.tan_y, 5e-7, 0, 1e-12);
     assert_close(wide.tan_y, tan(3.1415 / 2), 0, 1e-12);
 }

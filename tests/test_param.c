@@ -183,7 +183,8 @@ static void sets_are_lists_or_none(void **state)
     assert_string_equal(get(&b, "errata"), "B10,B2");
     static const char *const bad[] = {"", "B1", "B10,", ",B10", "B10,none", "B10 ,B11", "B10;B11", "all", "B10,,B11"};
     for (size_t i = 0; i < SSFR_COUNT(bad); i++)
-        assert_fails(SSFR_ERR_VALUE, set(&b, "errata", bad[i]), "expected none or a comma-separated list of B10, B11, B2");
+        assert_fails(SSFR_ERR_VALUE, set(&b, "errata", bad[i]),
+                     "expected none or a comma-separated list of B10, B11, B2");
     assert_fails(SSFR_ERR_VALUE, set(&b, "errata", "B10,B2,B10"), "box.errata=B10,B2,B10: B10 stands in it twice");
     assert_int_equal(b.errata, 5);
 }
@@ -198,8 +199,8 @@ static void errors_stay_on_one_line(void **state)
 static void reals_come_back_to_the_last_bit(void **state)
 {
     (void)state;
-    static const double values[] = {0.1, 1e-310, 2.385, 1.0 / 3, 4e-324, DBL_MAX, DBL_MIN, DBL_EPSILON, 123456789.123456789,
-                                    -0.1, 1e22, 9007199254740993.0, 5e-5, 0.30000000000000004};
+    static const double values[] = {0.1, 1e-310, 2.385, 1.0 / 3, 4e-324, DBL_MAX, DBL_MIN, DBL_EPSILON,
+                                    123456789.123456789, -0.1, 1e22, 9007199254740993.0, 5e-5, 0.30000000000000004};
     box b = defaults();
     for (size_t i = 0; i < SSFR_COUNT(values); i++) {
         b.any = values[i];

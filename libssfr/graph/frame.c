@@ -161,6 +161,12 @@ static void mark_tiles(ssfr_facts *facts, const int lo[2], const int hi[2])
         memset(facts->mask + (size_t)y * (size_t)facts->tiles_x + x0, 1, (size_t)(x1 - x0 + 1));
 }
 
+static size_t packet_size(const ssfr_frame *frame, size_t i)
+{
+    const size_t left = frame->n_particles - i * SSFR_PACKET;
+    return left < SSFR_PACKET ? left : SSFR_PACKET;
+}
+
 static int n_tiles_of(const int lo[2], const int hi[2])
 {
     return ((hi[0] - 1) / SSFR_TILE - lo[0] / SSFR_TILE + 1) * ((hi[1] - 1) / SSFR_TILE - lo[1] / SSFR_TILE + 1);
@@ -170,12 +176,12 @@ static int n_tiles_of(const int lo[2], const int hi[2])
 static void mark_packet(ssfr_frame *frame, size_t i, double reach, const int lo[2], const int hi[2])
 {
     enum { FEW = 9 };
-    const size_t start = i * SSFR_PACKET, left = frame->n_particles - start;
+    const size_t start = i * SSFR_PACKET;
     if (n_tiles_of(lo, hi) <= FEW) {
         mark_tiles(&frame->facts, lo, hi);
         return;
     }
-    for (size_t k = start; k < start + (left < SSFR_PACKET ? left : SSFR_PACKET); k++) {
+    for (size_t k = start; k < start + packet_size(frame, i); k++) {
         bounds b = {.half = {reach, reach, reach}};
         int from[2], to[2];
         ssfr_frame_eye(frame, k, b.centre);
@@ -186,8 +192,8 @@ static void mark_packet(ssfr_frame *frame, size_t i, double reach, const int lo[
 static void add_packet(ssfr_frame *frame, size_t i)
 {
     ssfr_facts *facts = &frame->facts;
-    const size_t start = i * SSFR_PACKET, left = frame->n_particles - start;
-    const int n = (int)(left < SSFR_PACKET ? left : SSFR_PACKET), last = facts->n_ranges - 1;
+    const size_t start = i * SSFR_PACKET;
+    const int n = (int)packet_size(frame, i), last = facts->n_ranges - 1;
     if (last >= 0 && (size_t)facts->first[last] + (size_t)facts->count[last] == start) {
         facts->count[last] += n;
     } else {
@@ -220,8 +226,8 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
         const bool visible = box_pixels(frame, &b, lo, hi);
         if (visible) {
             nearest = fmin(nearest, -b.centre[2] - b.half[2]);
-            sum -= b.centre[2];
-            n_seen++;
+            sum -= b.centre[2] * (double)packet_size(frame, i);
+            n_seen += packet_size(frame, i);
         }
         if (visible && !keep_all) mark_packet(frame, i, reach * frame->radius, lo, hi);
         if (visible || keep_all) add_packet(frame, i);
@@ -259,22 +265,68 @@ end:
     return result;
 }
 
-static ssfr_result check_scene(const ssfr_scene *scene)
+
+static bool all_finite(const double v[3])
 {
-    const ssfr_camera *c = &scene->camera;
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+/* Unit vectors at right angles, as exact as a caller's floats can make them. */
+static bool is_orthonormal(const double *x, const double *y, const double *z)
+{
+    const double *axes[3] = {x, y, z};
+    bool ok = true;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k <= i; k++) ok &= fabs(ssfr_dot(axes[i], axes[k]) - (i == k)) < 1e-4; /* false for NaN */
+    return ok;
+}
+
+static ssfr_result check_camera(const ssfr_camera *c)
+{
     if (c->w < 1 || c->h < 1 || c->w > SSFR_MAX_SIZE || c->h > SSFR_MAX_SIZE)
         return ssfr_fail(SSFR_ERR_VALUE, "image of %d x %d pixels: sides go from 1 to %d", c->w, c->h, SSFR_MAX_SIZE);
     if (!(c->tan_x > 0 && c->tan_y > 0 && isfinite(c->tan_x) && isfinite(c->tan_y)))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: half widths at unit distance are %g and %g", c->tan_x, c->tan_y);
     if (!(c->near > 0 && c->near < c->far))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: near %g and far %g; 0 < near < far is needed", c->near, c->far);
+    if (!all_finite(c->eye))
+        return ssfr_fail(SSFR_ERR_VALUE, "camera: eye %g,%g,%g is not finite", c->eye[0], c->eye[1], c->eye[2]);
+    if (!is_orthonormal(c->right, c->up, c->back))
+        return ssfr_fail(SSFR_ERR_VALUE, "camera: right, up and back are not orthonormal");
+    return SSFR_OK;
+}
+
+static ssfr_result check_solids(const ssfr_scene *scene)
+{
     if (scene->n_solids < 0 || scene->n_solids > SSFR_MAX_SOLIDS)
         return ssfr_fail(SSFR_ERR_VALUE, "%d solids, at most %d are drawn", scene->n_solids, SSFR_MAX_SOLIDS);
-    if (scene->particles && scene->particles->n && !(scene->particles->radius > 0 && isfinite(scene->particles->radius)))
-        return ssfr_fail(SSFR_ERR_VALUE, "particle radius %g m: it must be positive", scene->particles->radius);
-    if (scene->particles && scene->particles->n > INT32_MAX / 8)
-        return ssfr_fail(SSFR_ERR_VALUE, "%zu particles, at most %d are drawn", scene->particles->n, INT32_MAX / 8);
+    for (int i = 0; i < scene->n_solids; i++) {
+        const ssfr_solid *s = &scene->solids[i];
+        if (!all_finite(s->centre) || !all_finite(s->colour))
+            return ssfr_fail(SSFR_ERR_VALUE, "solid %d (from 0): centre and colour must be finite", i);
+        if (!(s->half[0] > 0 && s->half[1] > 0 && s->half[2] > 0 && all_finite(s->half)))
+            return ssfr_fail(SSFR_ERR_VALUE, "solid %d (from 0): half extents %g,%g,%g m: they must be positive", i,
+                             s->half[0], s->half[1], s->half[2]);
+        if (!is_orthonormal(s->axis[0], s->axis[1], s->axis[2]))
+            return ssfr_fail(SSFR_ERR_VALUE, "solid %d (from 0): its axes are not orthonormal", i);
+    }
     return SSFR_OK;
+}
+
+static ssfr_result check_scene(const ssfr_scene *scene)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_particles *p = scene->particles;
+    SSFR_TRY(check_camera(&scene->camera));
+    SSFR_TRY(check_solids(scene));
+    if (isnan(scene->floor))
+        return ssfr_fail(SSFR_ERR_VALUE, "floor at %g m: expected a height, or -inf for none", scene->floor);
+    if (p && p->n && !(p->radius > 0 && isfinite(p->radius)))
+        return ssfr_fail(SSFR_ERR_VALUE, "particle radius %g m: it must be positive", p->radius);
+    if (p && p->n > INT32_MAX / 8)
+        return ssfr_fail(SSFR_ERR_VALUE, "%zu particles, at most %d are drawn", p->n, INT32_MAX / 8);
+end:
+    return result;
 }
 
 static void place_eye(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world)
