@@ -16,7 +16,7 @@ void main()
     ivec2 block = ivec2(gl_FragCoord.xy) * u_factor;
     o_low = -EMPTY;
     if (u_rule == 0) {
-        o_low = depth_at(block + u_factor / 2);
+        o_low = fetch(t_depth, block + u_factor / 2).x;
         return;
     }
     float sum = 0.0, count = 0.0;

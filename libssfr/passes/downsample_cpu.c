@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* downsample_cpu.c: one pixel from a block of factor x factor, in double. Block (x, y) starts at factor (x, y); at the right and
- * bottom border it may reach over the image, where there is no surface. */
+ * bottom border it may reach over the image, where there is no surface; its middle is brought back into the image. */
 #include "passes/downsample.h"
 
 static double depth_at(const ssfr_field *f, int x, int y)
@@ -12,7 +12,7 @@ static double from_block(const ssfr_field *depth, int x, int y, int n, int rule)
 {
     double nearest = -SSFR_EMPTY, sum = 0;
     int count = 0;
-    if (rule == SSFR_DOWNSAMPLE_NEAREST) return depth_at(depth, x * n + n / 2, y * n + n / 2);
+    if (rule == SSFR_DOWNSAMPLE_NEAREST) return *ssfr_field_fetch(depth, x * n + n / 2, y * n + n / 2);
     for (int j = 0; j < n; j++)
         for (int i = 0; i < n; i++) {
             const double z = depth_at(depth, x * n + i, y * n + j);
