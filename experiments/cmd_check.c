@@ -148,7 +148,7 @@ static ssfr_result print_row(check *c, const ssfr_pass *pass, const ssfr_twins_r
     SSFR_TRY(ssfr_table_add(t, "%s", ssfr_pass_name(pass)));
     SSFR_TRY(ssfr_table_add(t, "%s", row->output));
     SSFR_TRY(ssfr_table_add(t, "%s", scene));
-    SSFR_TRY(ssfr_table_add(t, "%s", corner[0] ? corner : "defaults"));
+    SSFR_TRY(ssfr_table_add(t, "%s", corner[0] ? corner : c->o->settings.n ? "as given" : "defaults"));
     SSFR_TRY(ssfr_table_add(t, "%.3g", row->max_abs));
     SSFR_TRY(ssfr_table_add(t, "%.3g + %.3g |cpu|", row->tolerance.abs, row->tolerance.rel));
     SSFR_TRY(ssfr_table_add(t, "%.3g", row->outliers));

@@ -1,0 +1,230 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# test_sweep.sh: sweep, bench and check from outside: every row once, whatever interrupts a sweep; errors before anything runs.
+# shellcheck disable=SC2086,SC2012 # options stand in variables, several words each; names here are plain
+
+ssfr=$(cd "$(dirname "${SSFR:-${BUILD:-build}/ssfr}")" && pwd)/$(basename "${SSFR:-ssfr}")
+specs=$(cd "$(dirname "$0")/../experiments" && pwd)
+work=$(mktemp -d "${TMPDIR:-/tmp}/ssfr-sweep-XXXXXX") || exit 2
+trap 'rm -rf "$work"' EXIT
+trap 'exit 2' INT TERM
+cd "$work" || exit 2
+[ -x "$ssfr" ] || { echo "not ok - $ssfr is there"; echo "0 passed, 1 failed"; exit 1; }
+passed=0
+failed=0
+
+ok() { passed=$((passed + 1)); echo "ok - $1"; }
+bad() { failed=$((failed + 1)); echo "not ok - $1"; shift; printf '# %s\n' "$@"; }
+
+# run ARGS: status, out and err are what came of it.
+run() {
+    "$ssfr" "$@" >out 2>err
+    status=$?
+}
+
+# leaves STATUS NAME ARGS: with that status, and with nothing on stderr.
+leaves() {
+    wanted=$1 name=$2; shift 2; run "$@"
+    if [ $status -eq "$wanted" ] && [ ! -s err ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
+}
+
+# refuses NAME TEXT ARGS: leaves with 2, nothing on stdout, one line on stderr that names the command and holds TEXT.
+refuses() {
+    name=$1 text=$2; shift 2; run "$@"
+    if [ $status -eq 2 ] && [ ! -s out ] && [ "$(wc -l <err)" -eq 1 ] && grep -q '^ssfr' err && grep -qF -- "$text" err
+    then ok "$name"; else bad "$name" "status $status, wanted 2 and: $text" "$(cat err)"; fi
+}
+
+# that NAME COMMAND: the shell command holds.
+that() {
+    name=$1; shift
+    if "$@"; then ok "$name"; else bad "$name" "$*"; fi
+}
+
+rows() { echo $(($(wc -l <"$1") - 1)); }
+# column FILE NAME: its cells; only for tables without quoted cells.
+column() {
+    awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name || index($i, name " [") == 1) c = i; next }
+                          { print $c }' "$1"
+}
+keys() { sed 1d "$1" | cut -d, -f1-7 | sort; }
+each_once() { [ -z "$(keys "$1" | uniq -d)" ] && [ "$(rows "$1")" -eq "$2" ]; }
+nothing_but() { [ "$(ls | sort | tr '\n' ' ')" = "$(printf '%s\n' err out "$@" | sort | tr '\n' ' ')" ]; }
+
+cpu="--scene block --size 48x32 --backend cpu"
+brief="--max-time 0.05"
+
+# ---- what runs ----
+
+leaves 0 'a dry run lists the product' sweep $cpu --vary curvature_flow.iterations=0:4:2 --vary sphere_depth.splat=point,exact --dry-run
+printf '%s\n' 0,point 0,exact 2,point 2,exact 4,point 4,exact >wanted
+that 'in order, the last axis fastest' [ "$(sed 1d out | cut -d, -f1,2)" = "$(cat wanted)" ]
+that 'under a header that names the axes' [ "$(head -n 1 out)" = \
+    curvature_flow.iterations,sphere_depth.splat,scene,pipeline,backend,width,height ]
+rm wanted
+leaves 0 'a unit stands behind its axis' sweep $cpu --vary curvature_flow.dt=0,1e-6 --dry-run
+that 'in brackets' grep -qF 'curvature_flow.dt [m^2],scene' out
+that 'a dry run writes nothing' nothing_but
+leaves 0 'scenes, sizes and backends are axes too' sweep --vary scene=block,sphere --vary size=48x32,32x48 --vary backend=cpu,gl --dry-run
+that 'with columns of their own' [ "$(sed -n 3p out)" = block,vanderlaan2009,gl,48,32 ]
+leaves 0 'the first sweep of a paper is sound' sweep "$specs/vanderlaan2009/iterations.yaml" --dry-run
+that 'and holds its whole product' [ "$(rows out)" -eq 162 ]
+
+# ---- a table ----
+
+leaves 0 'a sweep goes to standard output' sweep $cpu $brief --vary curvature_flow.iterations=0,5
+that 'with a row a run' [ "$(rows out)" -eq 2 ]
+that 'that is ok' [ "$(column out status | sort -u)" = ok ]
+that 'and took time' [ "$(column out ms_median | awk '$1 > 0' | wc -l)" -eq 2 ]
+that 'standard output has no metadata' nothing_but
+leaves 0 'a sweep goes to a file' sweep $cpu $brief --vary curvature_flow.iterations=0,5 -o t.csv
+that 'with its metadata beside it' nothing_but t.csv t.meta.json
+that 'which name the machine, the scene and the parameters' [ "$(grep -c '"processor"\|"scene.hash"\|"medium.ior"' t.meta.json)" -eq 3 ]
+leaves 0 'the same sweep replaces the table' sweep $cpu $brief --vary curvature_flow.iterations=0,5 -o t.csv
+that 'with as many rows' each_once t.csv 2
+rm t.*
+
+leaves 0 'a run is compared with a reference' sweep $cpu $brief --vary curvature_flow.iterations=10,20 --reference curvature_flow.iterations=20 -o r.csv
+that 'which it is, for one of them' [ "$(sed -n 3p r.csv | grep -c ',0,0,0,1,inf,1$')" -eq 1 ]
+that 'and is not, for the other' awk -F, 'NR == 2 && $(NF - 5) > 0 && $(NF - 3) > 0 && $(NF - 1) < 100 { found = 1 } END { exit !found }' r.csv
+rm r.*
+
+# ---- killed and resumed ----
+
+many="$cpu --max-time 0.08 --vary curvature_flow.iterations=0:23:1"
+kills=0
+while [ $kills -lt 3 ]; do
+    "$ssfr" sweep $many -o k.csv --resume 2>/dev/null &
+    child=$!
+    had=$([ -e k.csv ] && wc -l <k.csv || echo 0)
+    tries=0
+    while [ $tries -lt 200 ] && [ "$([ -e k.csv ] && wc -l <k.csv || echo 0)" -lt $((had + 4)) ]; do sleep 0.05; tries=$((tries + 1)); done
+    kill -KILL $child 2>/dev/null && kills=$((kills + 1)) || break
+    wait $child 2>/dev/null
+done
+that 'a sweep was killed three times' [ $kills -eq 3 ]
+that 'and had not finished' [ "$(rows k.csv)" -lt 24 ]
+leaves 0 'it is resumed' sweep $many -o k.csv --resume
+that 'with every row once at the end' each_once k.csv 24
+that 'and all of them ok' [ "$(column k.csv status | sort -u)" = ok ]
+cp k.csv whole.csv
+leaves 0 'a whole table needs no run' sweep $many -o k.csv --resume
+that 'and stays as it was' cmp -s k.csv whole.csv
+size=$(wc -c <whole.csv)
+for part in 10 200 $((size / 2)) $((size - 20)) $((size - 1)); do
+    head -c "$part" whole.csv >k.csv
+    run sweep $many -o k.csv --resume
+    that "a table cut at byte $part is made whole" each_once k.csv 24
+done
+"$ssfr" sweep $many -o i.csv 2>err &
+child=$!
+while [ "$([ -e i.csv ] && wc -l <i.csv || echo 0)" -lt 4 ]; do sleep 0.05; done
+kill -TERM $child
+wait $child
+status=$?
+that 'a sweep that is asked to stop leaves with 2' [ $status -eq 2 ]
+that 'says how to go on' grep -q '^ssfr sweep: interrupted after [0-9]* of 24 runs.*--resume' err
+that 'and ends in a whole row' [ "$(tail -n 1 i.csv | tr -cd , | wc -c)" -eq "$(head -n 1 i.csv | tr -cd , | wc -c)" ]
+leaves 0 'from which it goes on' sweep $many -o i.csv --resume
+that 'to every row once' each_once i.csv 24
+refuses 'a table of other columns is not resumed' 'column 1 is curvature_flow.iterations, expected curvature_flow.step' \
+    sweep $cpu --vary curvature_flow.step=0.5 -o i.csv --resume
+refuses 'nor one that was measured with other settings' 'i.csv: was measured with other settings' \
+    sweep $many --set medium.ior=1.4 -o i.csv --resume
+that 'and neither is touched' each_once i.csv 24
+rm ./*.csv ./*.json
+
+for k in 1 2 3; do run sweep $cpu $brief --vary curvature_flow.iterations=0:6:1 --shard $k/3 -o s$k.csv; done
+sed 1d s2.csv >>s1.csv
+sed 1d s3.csv >>s1.csv
+that 'three shards make every row once' each_once s1.csv 7
+rm ./s*
+
+# ---- errors, before anything runs ----
+
+cat >spec.yaml <<'END'
+scene: block
+size: 48x32
+backend: cpu
+vary:
+  curvature_flow.iterations: 0:4:2
+plot: {x: iterations, y: ms_median, lines: [backend]}
+END
+wrong() { sed "$1" spec.yaml >wrong.yaml; }
+wrong 's/vary/very/'
+refuses 'a key that is none has its place' 'wrong.yaml:4:1: no key very' sweep wrong.yaml -o w.csv
+wrong 's/^scene: .*/scene: {a: b}/'
+refuses 'so has a value of the wrong kind' 'wrong.yaml:1:8: scene: expected one value' sweep wrong.yaml -o w.csv
+wrong 's/iterations: 0:4:2/repeats: 0:4:2/'
+refuses 'so has a parameter that is none' 'wrong.yaml:5:3: curvature_flow.repeats: pipeline vanderlaan2009 has no such parameter' sweep wrong.yaml -o w.csv
+wrong 's/0:4:2/-2:4:2/'
+refuses 'a value out of range is named' 'curvature_flow.iterations=-2: out of range' sweep wrong.yaml -o w.csv
+wrong 's/0:4:2/0:1:0.5/'
+refuses 'so is a number that is not whole' 'curvature_flow.iterations=0.5: expected a whole number' sweep wrong.yaml -o w.csv
+wrong 's/cpu/gpu/'
+refuses 'so is a backend that is none' 'wrong.yaml:3:1: backend gpu: expected gl or cpu' sweep wrong.yaml -o w.csv
+wrong 's/48x32/48/'
+refuses 'so is a size that is none' 'wrong.yaml:2:1: size 48: expected WxH' sweep wrong.yaml -o w.csv
+wrong 's/block/rock/'
+refuses 'so is a scene that is none' 'wrong.yaml:1:1: scene rock: neither' sweep wrong.yaml -o w.csv
+wrong 's/x: iterations/x: ref_speed/'
+refuses 'so is a column that a plot cannot have' 'plot: the table will have no column ref_speed' sweep wrong.yaml -o w.csv
+refuses 'a file that is missing is named' 'absent.yaml' sweep absent.yaml
+refuses 'a pipeline that is none is named' 'nothing: no such pipeline' sweep spec.yaml --pipeline nothing
+refuses 'a setting that is none is named' '--set: no.thing: pipeline' sweep spec.yaml --set no.thing=1
+refuses 'so is one of the reference' '--reference: no.thing: pipeline' sweep spec.yaml --reference no.thing=1
+refuses 'a sweep must have something to run' 'nothing to run' sweep
+refuses 'going on needs a table' '--resume needs' sweep spec.yaml --resume
+for shard in 0/2 3/2 1 x/2 1/2/3 1/ -1/2; do refuses "a shard is not $shard" "--shard $shard: expected K/N" sweep spec.yaml --shard=$shard; done
+refuses 'a folder that is missing is named' 'absent/t.csv' sweep spec.yaml -o absent/t.csv
+that 'nothing is left of all this' nothing_but spec.yaml wrong.yaml
+
+# ---- specs and plots ----
+
+leaves 0 'a spec is run' sweep spec.yaml $brief -o p.csv
+that 'and its plot drawn' grep -q '</svg>' p.svg
+rm ./p.*
+leaves 0 'a plot can be left out' sweep spec.yaml $brief -o p.csv --no-plot
+that 'and is' [ ! -e p.svg ]
+"$ssfr" sweep - $brief --vary curvature_flow.iterations=3 <spec.yaml >out 2>err
+that 'a spec comes from standard input, and the command line counts for more' [ "$(column out curvature_flow.iterations)" = 3 ]
+rm ./p.*
+
+# ---- bench ----
+
+leaves 0 'bench times a pipeline' bench --scene block --size 48x32 --backend cpu $brief -o b.csv
+that 'pass by pass' grep -Eq '^curvature_flow	ran	[0-9.]+	[0-9.]+	[0-9.]+ %	' out
+that 'and says what was left out and why' grep -Eq '^noise_normals	needless: .*	-	-' out
+that 'its table has a row a node and two for the frame' [ "$(cut -d, -f6 b.csv | grep -cx 'composite\|(frame)\|(frame while timed)')" -eq 3 ]
+that 'with metadata' grep -q '"curvature_flow.iterations": 40' b.meta.json
+refuses 'bench knows its pipelines' 'solver: no such pipeline; there are vanderlaan2009' bench solver
+refuses 'bench finds out at once where it cannot write' 'absent/b.csv' bench -o absent/b.csv
+rm ./b.*
+
+# ---- what needs GL ----
+
+if "$ssfr" check background --scene empty >out 2>err; then
+    leaves 0 'rounding is compared with the twin' sweep --scene block --size 48x32 --backend gl,cpu $brief --vary sphere_depth.splat=point,quad
+    that 'for OpenGL, where it is small' [ "$(awk -F, 'NR > 1 && $4 == "gl" && $(NF - 6) > 60 && $(NF - 7) < 0.1' out | wc -l)" -eq 2 ]
+    that 'and not for the twin itself' [ "$(awk -F, 'NR > 1 && $4 == "cpu" && $(NF - 6) == "NaN"' out | wc -l)" -eq 2 ]
+    run sweep --scene block --size 48x32 $brief --vary sphere_depth.max_point_px=50,2000 --set sphere_depth.splat=point
+    that 'a run that fails is no failure of the sweep' [ $status -eq 0 ]
+    that 'but a warning' grep -q 'warning: 1 of 2 runs failed' err
+    that 'and a row that says why' grep -q ',max_point_px 2000: this GPU draws points of up to .*,NaN,NaN,' out
+    leaves 0 'check compares the twins of a pass' check curvature_flow --scene block --size 48x32 --corners --dump maps
+    that 'at every corner' [ "$(grep -c '^curvature_flow	smooth	block	.*	ok$' out)" -gt 8 ]
+    that 'and writes what it compared' [ -s maps/curvature_flow.smooth.block.exr ]
+    rm -r maps
+    leaves 0 'check takes settings' check curvature_flow --scene block --size 48x32 --set iterations=3
+    run check downsample --scene block --size 48x32 --set downsample.factor=2
+    that 'by the name of the pass too' [ $status -eq 0 ]
+elif [ "$GL" = required ]; then
+    bad 'GL is there' "$(cat err)"
+else
+    echo 'ok - without GL what needs it is left out # SKIP'
+fi
+refuses 'check knows its passes' 'nothing: no such pass' check nothing
+refuses 'check knows its settings' '--set no.thing=1: expected' check --set no.thing=1
+
+echo "$passed passed, $failed failed"
+[ $failed -eq 0 ]
