@@ -15,6 +15,7 @@ static void weigh(int filter, double t, double w[4])
     }
 }
 
+/* Relative to the guide, so that a constant depth comes back to the last bit. */
 static double interpolate(const ssfr_field *low, double guide, double x, double y, const ssfr_upsample_coeffs *c)
 {
     const int n = c->filter == 2 ? 4 : 2, before = c->filter == 2 ? 1 : 0;
@@ -25,10 +26,10 @@ static double interpolate(const ssfr_field *low, double guide, double x, double 
         for (int i = 0; i < n; i++) {
             const double z = *ssfr_field_fetch(low, x0 - before + i, y0 - before + j);
             if (!ssfr_is_surface(z) || fabs(z - guide) > c->falloff) continue;
-            sum += wx[i] * wy[j] * z;
+            sum += wx[i] * wy[j] * (z - guide);
             weight += wx[i] * wy[j];
         }
-    return weight > 1e-6 ? sum / weight : guide;
+    return weight > 1e-6 ? guide + sum / weight : guide;
 }
 
 void ssfr_upsample_cpu(const ssfr_run *run)
