@@ -104,6 +104,14 @@ static void empty_box(double lo[3], double hi[3])
     for (int k = 0; k < 3; k++) lo[k] = -0.5, hi[k] = 0.5;
 }
 
+void ssfr_stage_view_box(const ssfr_stage *stage, double lo[3], double hi[3])
+{
+    const double top = stage->builtin ? stage->builtin->top : 0;
+    ssfr_stage_bounds(stage, lo, hi);
+    if (stage->particles->n == 0) empty_box(lo, hi);
+    if (top != 0) hi[1] = fmin(hi[1], top);
+}
+
 /* The direction towards the eye: where the user put it, else the scene's, else the default. */
 static void choose_direction(const ssfr_stage *stage, const ssfr_stage_options *options, const double lo[3],
                              const double hi[3], const double target[3], double from[3])
@@ -120,11 +128,7 @@ ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options *options)
     ssfr_camera camera;
     double lo[3], hi[3], target[3], from[3], eye[3], up[3];
     const double fov = options->fov_deg * acos(-1) / 180;
-    const double top = stage->builtin ? stage->builtin->top : 0;
-    ssfr_stage_bounds(stage, lo, hi);
-    if (stage->particles->n == 0) empty_box(lo, hi);
-    const double highest = hi[1];
-    if (top > lo[1]) hi[1] = fmin(hi[1], top);
+    ssfr_stage_view_box(stage, lo, hi);
     for (int k = 0; k < 3; k++) target[k] = isnan(options->target[0]) ? 0.5 * (lo[k] + hi[k]) : options->target[k];
     choose_direction(stage, options, lo, hi, target, from);
     choose_up(options, from, up);
@@ -134,7 +138,8 @@ ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options *options)
         const double distance = framing_distance(&camera, lo, hi, target);
         for (int k = 0; k < 3; k++) camera.eye[k] = target[k] + distance * camera.back[k];
     }
-    hi[1] = highest;
+    ssfr_stage_bounds(stage, lo, hi);
+    if (stage->particles->n == 0) empty_box(lo, hi);
     set_range(&camera, lo, hi, 2 * stage->particles->radius);
     stage->scene.camera = camera;
 end:

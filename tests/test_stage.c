@@ -25,7 +25,7 @@ static double widest_corner(const ssfr_stage *stage)
 {
     const ssfr_camera *camera = &stage->scene.camera;
     double lo[3], hi[3], widest = 0;
-    ssfr_stage_bounds(stage, lo, hi);
+    ssfr_stage_view_box(stage, lo, hi);
     for (int i = 0; i < 8; i++) {
         double p[3];
         for (int k = 0; k < 3; k++) p[k] = (i >> k & 1 ? hi[k] : lo[k]) - camera->eye[k];
