@@ -4,7 +4,7 @@
 
 #include <float.h>
 
-/* ---- what a test owns ---------------------------------------------------------------------------------------------- */
+/* ---- what a test owns -------------------------------------------------------------------------------------------- */
 
 enum { MAX_TWINS = 64, MAX_FIELDS = 1024, MAX_SETS = 256 };
 
@@ -50,7 +50,7 @@ ssfr_field *test_field_filled(int w, int h, int c, double value)
     return field;
 }
 
-/* ---- a pass on one twin ------------------------------------------------------------------------------------------------ */
+/* ---- a pass on one twin ------------------------------------------------------------------------------------------ */
 
 static test_twin *start(void **state, int w, int h)
 {
@@ -157,7 +157,7 @@ ssfr_field *test_twin_run_if_needed(test_twin *t, const char *output, ssfr_node_
     return field;
 }
 
-/* ---- geometry ----------------------------------------------------------------------------------------------------------- */
+/* ---- geometry ---------------------------------------------------------------------------------------------------- */
 
 test_ray test_ray_at(const test_twin *t, int x, int y, int divisor)
 {
@@ -180,7 +180,7 @@ test_hit test_meet(const double centre[3], double radius, test_ray ray)
     return (test_hit){(double)(-(dc - root) / dd), (double)(-(dc + root) / dd), (double)sqrtl(cross / dd)};
 }
 
-/* ---- images -------------------------------------------------------------------------------------------------------------- */
+/* ---- images ------------------------------------------------------------------------------------------------------ */
 
 static size_t n_values(const ssfr_field *f)
 {

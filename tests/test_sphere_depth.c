@@ -57,7 +57,7 @@ static const ssfr_field *splat(test_twin *t, const char *form, const double c[3]
     return test_twin_run(t, "depth");
 }
 
-/* ---- exact ------------------------------------------------------------------------------------------------------------ */
+/* ---- exact ------------------------------------------------------------------------------------------------------- */
 
 static const double places[][3] = {{0, 0, -3}, {0.6, -0.45, -2.385}, {-0.9, 0.7, -2.1}, {0.013, 0.002, -1.31}};
 
@@ -190,7 +190,7 @@ static void radius_scale_makes_the_sphere_larger(void **state)
     assert_spheres(t, splat(t, "exact", places[0], 0.3), 1, &places[0], 0.51);
 }
 
-/* ---- quads and points ---------------------------------------------------------------------------------------------------- */
+/* ---- quads and points -------------------------------------------------------------------------------------------- */
 
 /* z + R sqrt(1 - a^2 - b^2) on the disc of radius R / (C |z|) pixels around the projected centre; with size=distance the
  * distance stands for |z| in the disc's radius. */
@@ -306,7 +306,7 @@ static void points_larger_than_the_gpu_draws_are_refused(void **state)
     else assert_fails(SSFR_ERR_UNSUPPORTED, ssfr_graph_run(t->graph, &t->scene, NULL), "max_point_px");
 }
 
-/* ---- all forms ------------------------------------------------------------------------------------------------------------ */
+/* ---- all forms --------------------------------------------------------------------------------------------------- */
 
 /* A hundredth of a pixel is wide: a pixel's middle is met or not, and nothing is divided by zero. */
 static void tiny_spheres_draw_one_pixel_or_none(void **state)

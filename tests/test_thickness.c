@@ -29,7 +29,7 @@ static double chord(double radius, double miss)
 
 static const double places[][3] = {{0, 0, -3}, {0.6, -0.45, -2.385}, {-0.9, 0.7, -2.1}};
 
-/* ---- the kernel along the ray ------------------------------------------------------------------------------------------- */
+/* ---- the kernel along the ray ------------------------------------------------------------------------------------ */
 
 static void exact_chord_is_the_length_of_the_ray_in_the_sphere(void **state)
 {
@@ -115,7 +115,7 @@ static void scale_multiplies(void **state)
     for (int i = 0; i < 61 * 48; i++) assert_close(scaled->data[i], 2.385 * once->data[i], 0, 4 * t->eps);
 }
 
-/* ---- volumes -------------------------------------------------------------------------------------------------------------- */
+/* ---- volumes ----------------------------------------------------------------------------------------------------- */
 
 static double volume(const test_twin *t, const ssfr_field *thickness, double distance)
 {
@@ -179,7 +179,7 @@ static void radius_scale_spreads_the_same_volume(void **state)
     assert_close(*ssfr_field_at(wide, 50, 51), 2 * 0.51 / (1.6 * 1.6), 0, 1e-3);
 }
 
-/* ---- before and behind the scene -------------------------------------------------------------------------------------------- */
+/* ---- before and behind the scene --------------------------------------------------------------------------------- */
 
 /* A wall before, through and behind the sphere. Whole: all of the chord where the front is before the wall; clipped: what is. */
 static void wall_takes_what_is_behind_it(void **state)
@@ -236,7 +236,7 @@ static void eye_inside_a_sphere_looks_through_what_is_before_it(void **state)
     }
 }
 
-/* ---- the rest ------------------------------------------------------------------------------------------------------------- */
+/* ---- the rest ---------------------------------------------------------------------------------------------------- */
 
 static void thickness_is_zero_without_particles_in_view(void **state)
 {

@@ -159,7 +159,7 @@ static void nothing_bleeds_into_or_from_empty_pixels(void **state)
     }
 }
 
-/* ---- from downsampling on: odd sizes ---------------------------------------------------------------------------------- */
+/* ---- from downsampling on: odd sizes ----------------------------------------------------------------------------- */
 
 static const ssfr_pipeline there_and_back = {
     .name = "there_and_back", .result = SSFR_SLOT_surface_depth,

@@ -44,11 +44,26 @@ static const ssfr_uniform uniforms[] = {
     {NULL, 0, 0},
 };
 
-/* Off the axis a pixel covers less of the surface across the ray: the bound falls by (1 + u^2 + v^2)^(3/2). */
+/* The largest step, at |z| = 1, under which no ripple grows on a surface that faces the eye: checkerboards are the first to. */
+static double stability_bound(const double c[2], bool off_axis)
+{
+    const double product = c[0] * c[1];
+    return off_axis ? product * sqrt(product) / (c[0] * c[0] + c[1] * c[1]) : product / (c[0] + c[1]);
+}
+
+/* Off the axis a pixel covers less of the surface across the ray: the bound falls by (1 + u^2 + v^2)^(3/2) at most. */
 static double corner_factor(const ssfr_block *b)
 {
     const double u = 0.5 * b->image[0] * b->image[2], v = 0.5 * b->image[1] * b->image[3];
     return pow(1 + u * u + v * v, 1.5);
+}
+
+/* Where no fluid is in view nothing is known of its distance, but that it is beyond the near plane. */
+static double reference_distance(const ssfr_run *run, int reference)
+{
+    const ssfr_facts *facts = &run->frame->facts;
+    const double distance = reference == SSFR_REFERENCE_NEAREST ? facts->nearest : facts->mean;
+    return isfinite(distance) ? distance : run->frame->near;
 }
 
 static void derive(const ssfr_run *run, void *coeffs)
@@ -57,9 +72,8 @@ static void derive(const ssfr_run *run, void *coeffs)
     const ssfr_block *b = &run->frame->block;
     ssfr_curvature_flow_coeffs *c = coeffs;
     c->c[0] = b->image[2] * run->divisor, c->c[1] = b->image[3] * run->divisor;
-    const double bound = c->c[0] * c->c[1] / (c->c[0] + c->c[1]); /* of dt, at |z| = 1 */
-    const ssfr_facts *facts = &run->frame->facts;
-    const double distance = p->reference == SSFR_REFERENCE_NEAREST ? facts->nearest : facts->mean;
+    const double bound = stability_bound(c->c, p->off_axis);
+    const double distance = reference_distance(run, p->reference);
     c->dt = p->dt;
     if (p->dt == 0) c->dt = p->step * bound * distance / (p->off_axis ? corner_factor(b) : 1);
     c->limit = p->limit ? SSFR_CURVATURE_FLOW_SAFE * bound : SSFR_EMPTY;
