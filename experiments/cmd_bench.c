@@ -48,7 +48,7 @@ end:
     return result;
 }
 
-/* ---- for people ---------------------------------------------------------------------------------------------------- */
+/* ---- for people -------------------------------------------------------------------------------------------------- */
 
 static ssfr_result add_titles(ssfr_table *t, const char *const *titles, int n)
 {
@@ -88,17 +88,18 @@ static void print_frame(const bench *b)
     printf("\n%s on %s, %s, %dx%d px, %zu particles\n", ssfr_pipeline_name(b->setup.pipeline),
            b->setup.gl ? ssfr_gl_renderer(b->setup.gl) : "the CPU, in double", b->stage->name, camera->w, camera->h,
            b->stage->particles->n);
-    printf("frame: %.3f ms (median of %zu, MAD %.3f, least %.3f, outliers %zu)\n", f->frame.median, f->frame.n, f->frame.mad,
-           f->frame.min, f->frame.outliers);
-    printf("passes: %.3f ms in all, in a frame of %.3f ms while they are timed: a share of %.3f\n", b->sum, t->frame.median,
-           b->sum / t->frame.median);
+    printf("frame: %.3f ms (median of %zu, MAD %.3f, least %.3f, outliers %zu)\n", f->frame.median, f->frame.n,
+           f->frame.mad, f->frame.min, f->frame.outliers);
+    printf("passes: %.3f ms in all, in a frame of %.3f ms while they are timed: a share of %.3f\n", b->sum,
+           t->frame.median, b->sum / t->frame.median);
     printf("copying: %.2f GB/s read and written; the frame takes %.1f times as long as moving its bytes once\n",
            1e-9 * b->bandwidth, ssfr_measure_roofline(f->frame.median, f->bytes, b->bandwidth));
 }
 
 static ssfr_result print(const bench *b)
 {
-    static const char *const titles[] = {"pass", "status", "ms", "MAD", "share", "taps", "sweeps", "vertices", "MB", "x copy"};
+    static const char *const titles[] = {"pass", "status", "ms",       "MAD", "share",
+                                         "taps", "sweeps", "vertices", "MB",  "x copy"};
     ssfr_result result = SSFR_OK;
     ssfr_table t;
     ssfr_table_init(&t, SSFR_COUNT(titles));
@@ -111,19 +112,19 @@ end:
     return result;
 }
 
-/* ---- for programs -------------------------------------------------------------------------------------------------- */
+/* ---- for programs ------------------------------------------------------------------------------------------------ */
 
-static const char *const columns[] = {"scene", "pipeline", "backend", "width", "height", "node", "pass", "status", "why",
-                                      "ms_min", "ms_median", "ms_mad", "runs", "outliers", "share", "taps", "iterations",
-                                      "vertices", "bytes [B]", "roofline"};
+static const char *const columns[] = {"scene",     "pipeline",   "backend",  "width",     "height",
+                                      "node",      "pass",       "status",   "why",       "ms_min",
+                                      "ms_median", "ms_mad",     "runs",     "outliers",  "share",
+                                      "taps",      "iterations", "vertices", "bytes [B]", "roofline"};
 enum { N_KEYS = 6 };
 
 static ssfr_result write_row(ssfr_csv *csv, const bench *b, const ssfr_node_report *r, const ssfr_timing *time)
 {
     ssfr_result result = SSFR_OK;
-    const bool ran = r->status == SSFR_RAN;
-    const double numbers[] = {time->min, time->median, time->mad, (double)time->n, (double)time->outliers, time->median / b->sum,
-                              r->taps, r->iterations, r->vertices, r->bytes,
+    const double numbers[] = {time->min, time->median, time->mad, (double)time->n, (double)time->outliers,
+                              time->median / b->sum, r->taps, r->iterations, r->vertices, r->bytes,
                               ssfr_measure_roofline(time->median, r->bytes, b->bandwidth)};
     SSFR_TRY(ssfr_csv_text(csv, b->stage->name));
     SSFR_TRY(ssfr_csv_text(csv, ssfr_pipeline_name(b->setup.pipeline)));
@@ -133,8 +134,8 @@ static ssfr_result write_row(ssfr_csv *csv, const bench *b, const ssfr_node_repo
     SSFR_TRY(ssfr_csv_text(csv, r->node));
     SSFR_TRY(ssfr_csv_text(csv, r->pass));
     SSFR_TRY(ssfr_csv_text(csv, ssfr_status_text(r->status)));
-    SSFR_TRY(ssfr_csv_text(csv, ran ? "" : r->why));
-    for (size_t i = 0; i < SSFR_COUNT(numbers); i++) SSFR_TRY(ssfr_csv_number(csv, ran || i == 3 || i == 4 ? numbers[i] : NAN));
+    SSFR_TRY(ssfr_csv_text(csv, r->status == SSFR_RAN ? "" : r->why));
+    for (size_t i = 0; i < SSFR_COUNT(numbers); i++) SSFR_TRY(ssfr_csv_number(csv, numbers[i]));
     SSFR_TRY(ssfr_csv_end_row(csv));
 end:
     return result;
@@ -161,7 +162,8 @@ end:
 static ssfr_result write_csv(bench *b)
 {
     ssfr_result result = SSFR_OK;
-    for (int i = 0; i < b->timed->n_nodes; i++) SSFR_TRY(write_row(b->csv, b, &b->timed->reports[i], &b->timed->nodes[i]));
+    for (int i = 0; i < b->timed->n_nodes; i++)
+        SSFR_TRY(write_row(b->csv, b, &b->timed->reports[i], &b->timed->nodes[i]));
     SSFR_TRY(write_frame(b->csv, b, "(frame)", b->frame));
     SSFR_TRY(write_frame(b->csv, b, "(frame while timed)", b->timed));
 end:
@@ -175,9 +177,14 @@ static ssfr_result save(bench *b, const char *path, const ssfr_command_line *lin
     ssfr_record scene = {0};
     SSFR_TRY(ssfr_meta_record_scene(&scene, b->stage));
     SSFR_TRY(write_csv(b));
-    SSFR_TRY(ssfr_meta_save(path, &(ssfr_meta){.argc = argc, .argv = argv, .seed = line->seed, .gl = b->setup.gl,
-                                               .pipeline = ssfr_pipeline_name(b->setup.pipeline), .graph = b->setup.graph,
-                                               .n_scenes = 1, .scenes = &scene,
+    SSFR_TRY(ssfr_meta_save(path, &(ssfr_meta){.argc = argc,
+                                               .argv = argv,
+                                               .seed = line->seed,
+                                               .gl = b->setup.gl,
+                                               .pipeline = ssfr_pipeline_name(b->setup.pipeline),
+                                               .graph = b->setup.graph,
+                                               .n_scenes = 1,
+                                               .scenes = &scene,
                                                .bandwidth_gl = b->setup.gl ? b->bandwidth : NAN,
                                                .bandwidth_cpu = b->setup.gl ? NAN : b->bandwidth}));
 end:
@@ -193,13 +200,18 @@ int ssfr_cmd_bench(int argc, char **argv)
     ssfr_stage_options stage_options;
     ssfr_command_line line;
     bench b = {0};
-    const ssfr_option_set sets[] = {{"bench", rows, &options},
-                                    {"what runs", ssfr_setup_rows + 1, &setup_options}, /* the pipeline is an argument */
-                                    {"scene and view", ssfr_stage_rows, &stage_options},
-                                    {NULL, NULL, NULL}};
-    const ssfr_usage usage = {.command = argv[0], .arguments = "[PIPELINE]", .max_arguments = 1, .sets = sets,
-                              .help = "Times a pipeline (default vanderlaan2009), pass by pass: medians, work, and how far each "
-                                      "is from the time that moving its bytes takes."};
+    const ssfr_option_set sets[] = {
+        {"bench", rows, &options},
+        {"what runs", ssfr_setup_rows + 1, &setup_options}, /* the pipeline is an argument */
+        {"scene and view", ssfr_stage_rows, &stage_options},
+        {NULL, NULL, NULL}};
+    const ssfr_usage usage = {
+        .command = argv[0],
+        .arguments = "[PIPELINE]",
+        .max_arguments = 1,
+        .sets = sets,
+        .help = "Times a pipeline (default vanderlaan2009), pass by pass: medians, work, and how far each "
+                "is from the time that moving its bytes takes."};
     ssfr_setup_defaults(&setup_options);
     ssfr_stage_defaults(&stage_options);
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));

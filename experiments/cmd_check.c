@@ -19,11 +19,14 @@ typedef struct check_options {
 
 #define ROW(...) SSFR_OPTION(check_options, __VA_ARGS__)
 static const ssfr_option rows[] = {
-    ROW(scenes, "scene", 0, LIST, "SCENE", "compare on this scene; can be repeated (default: sphere, plane, block, double_dam_break)",
-        0, 0),
-    ROW(settings, "set", 's', LIST, "KEY=VALUE", "a parameter, as pass.param, or param when a PASS is named; can be repeated", 0, 0),
-    ROW(corners, "corners", 0, FLAG, NULL, "compare at every word of a choice, every flag, half and twice every number too", 0, 0),
-    ROW(dump, "dump", 0, TEXT, "DIR", "write both outputs, their difference, ratio and a map of NaN as EXR files", 0, 0),
+    ROW(scenes, "scene", 0, LIST, "SCENE",
+        "compare on this scene; can be repeated (default: sphere, plane, block, double_dam_break)", 0, 0),
+    ROW(settings, "set", 's', LIST, "KEY=VALUE",
+        "a parameter, as pass.param, or param when a PASS is named; can be repeated", 0, 0),
+    ROW(corners, "corners", 0, FLAG, NULL,
+        "compare at every word of a choice, every flag, half and twice every number too", 0, 0),
+    ROW(dump, "dump", 0, TEXT, "DIR", "write both outputs, their difference, ratio and a map of NaN as EXR files", 0,
+        0),
     SSFR_OPTION_END,
 };
 
@@ -39,7 +42,7 @@ typedef struct check {
     size_t n_compared, n_failed, n_refused;
 } check;
 
-/* ---- settings ------------------------------------------------------------------------------------------------------ */
+/* ---- settings ---------------------------------------------------------------------------------------------------- */
 
 /* The part of a "pass.param=value" behind the pass, when it is for this pass; else NULL. */
 static const char *setting_for(const check *c, const ssfr_pass *pass, const char *setting)
@@ -58,12 +61,14 @@ static ssfr_result check_settings(const check *c)
         for (int k = 0; ssfr_pass_at(k); k++)
             if (!c->only || ssfr_pass_at(k) == c->only) taken |= setting_for(c, ssfr_pass_at(k), setting) != NULL;
         if (!taken || !strchr(setting, '='))
-            return ssfr_fail(SSFR_ERR_UNKNOWN, "--set %s: expected %s=VALUE", setting, c->only ? "PARAM" : "PASS.PARAM");
+            return ssfr_fail(SSFR_ERR_UNKNOWN, "--set %s: expected %s=VALUE", setting,
+                             c->only ? "PARAM" : "PASS.PARAM");
     }
     return SSFR_OK;
 }
 
-static void collect_settings(const check *c, const ssfr_pass *pass, const char *corner, const char *settings[MAX_SETTINGS])
+static void collect_settings(const check *c, const ssfr_pass *pass, const char *corner,
+                             const char *settings[MAX_SETTINGS])
 {
     int n = 0;
     for (int i = 0; i < c->o->settings.n; i++) {
@@ -74,7 +79,7 @@ static void collect_settings(const check *c, const ssfr_pass *pass, const char *
     settings[n] = NULL;
 }
 
-/* ---- dumping ------------------------------------------------------------------------------------------------------- */
+/* ---- dumping ----------------------------------------------------------------------------------------------------- */
 
 enum { MAP_REFERENCE, MAP_MEASURED, MAP_DIFFERENCE, MAP_RATIO, MAP_NAN, N_MAPS };
 static const char *const map_names[N_MAPS] = {"reference", "measured", "difference", "ratio", "nan"};
@@ -97,7 +102,8 @@ static ssfr_result make_map(ssfr_field **out, const ssfr_twins_row *row, int map
     const ssfr_field *r = row->reference;
     const ssfr_result result = ssfr_field_create(out, r->w, r->h, r->c);
     const size_t n = (size_t)r->w * (size_t)r->h * (size_t)r->c;
-    for (size_t i = 0; i < n && result == SSFR_OK; i++) (*out)->data[i] = map_value(map, r->data[i], row->measured->data[i]);
+    for (size_t i = 0; i < n && result == SSFR_OK; i++)
+        (*out)->data[i] = map_value(map, r->data[i], row->measured->data[i]);
     return result;
 }
 
@@ -131,17 +137,18 @@ end:
 }
 
 /* "curvature_flow.smooth.block.iterations=20", with what a path cannot hold replaced. */
-static void name_file(const ssfr_pass *pass, const ssfr_twins_row *row, const char *scene, const char *corner, char *text,
-                      size_t size)
+static void name_file(const ssfr_pass *pass, const ssfr_twins_row *row, const char *scene, const char *corner,
+                      char *text, size_t size)
 {
     snprintf(text, size, "%s.%s.%s%s%s", ssfr_pass_name(pass), row->output, scene, corner[0] ? "." : "", corner);
     for (char *at = text; *at; at++)
         if (*at == '/') *at = '_';
 }
 
-/* ---- comparing ----------------------------------------------------------------------------------------------------- */
+/* ---- comparing --------------------------------------------------------------------------------------------------- */
 
-static ssfr_result print_row(check *c, const ssfr_pass *pass, const ssfr_twins_row *row, const char *scene, const char *corner)
+static ssfr_result print_row(check *c, const ssfr_pass *pass, const ssfr_twins_row *row, const char *scene,
+                             const char *corner)
 {
     ssfr_result result = SSFR_OK;
     ssfr_table *t = &c->table;
@@ -193,7 +200,8 @@ end:
 }
 
 /* All passes, or the one named, on one scene. */
-static ssfr_result check_scene(check *c, const char *scene, const ssfr_stage_options *options, size_t done, size_t total)
+static ssfr_result check_scene(check *c, const char *scene, const ssfr_stage_options *options, size_t done,
+                               size_t total)
 {
     ssfr_result result = SSFR_OK;
     ssfr_stage *stage = NULL;
@@ -243,10 +251,15 @@ int ssfr_cmd_check(int argc, char **argv)
     ssfr_stage_options stage_options;
     ssfr_command_line line;
     check c = {.o = &options};
-    const ssfr_option_set sets[] = {{"check", rows, &options}, {"scene and view", ssfr_stage_rows, &stage_options}, {NULL, NULL, NULL}};
-    const ssfr_usage usage = {.command = argv[0], .arguments = "[PASS]", .max_arguments = 1, .sets = sets,
-                              .help = "Runs the GPU and the CPU twin of each pass on the same input and compares their outputs, at "
-                                      "160x90 px unless told otherwise. Exit status 1 when one is outside its tolerance."};
+    const ssfr_option_set sets[] = {
+        {"check", rows, &options}, {"scene and view", ssfr_stage_rows, &stage_options}, {NULL, NULL, NULL}};
+    const ssfr_usage usage = {
+        .command = argv[0],
+        .arguments = "[PASS]",
+        .max_arguments = 1,
+        .sets = sets,
+        .help = "Runs the GPU and the CPU twin of each pass on the same input and compares their outputs, at "
+                "160x90 px unless told otherwise. Exit status 1 when one is outside its tolerance."};
     ssfr_stage_defaults(&stage_options);
     stage_options.size[0] = 160, stage_options.size[1] = 90;
     ssfr_table_init(&c.table, 10);

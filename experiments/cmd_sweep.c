@@ -14,10 +14,13 @@ typedef struct sweep_words {
 #define ROW(...) SSFR_OPTION(sweep_words, __VA_ARGS__)
 static const ssfr_option rows[] = {
     ROW(vary, "vary", 0, LIST, "AXIS",
-        "KEY=A,B,C, KEY=LO:HI:STEP or 'KEY=LO:HI:N log'; a parameter, scene, size or backend; the last given runs fastest", 0, 0),
+        "KEY=A,B,C, KEY=LO:HI:STEP or 'KEY=LO:HI:N log'; a parameter, scene, size or backend; the last given runs "
+        "fastest",
+        0, 0),
     ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default double_dam_break)", 0, 0),
     ROW(pipeline, "pipeline", 'p', TEXT, "NAME", "what to render with (default vanderlaan2009)", 0, 0),
-    ROW(backend, "backend", 0, TEXT, "gl,cpu", "OpenGL, the double-precision twins on the CPU, or both (default gl)", 0, 0),
+    ROW(backend, "backend", 0, TEXT, "gl,cpu", "OpenGL, the double-precision twins on the CPU, or both (default gl)", 0,
+        0),
     ROW(settings, "set", 's', LIST, "KEY=VALUE", "a setting of every run; can be repeated", 0, 0),
     ROW(reference, "reference", 0, LIST, "KEY=VALUE",
         "a setting of the frame that the ref_ columns compare with, made once by the CPU twins; can be repeated", 0, 0),
@@ -74,7 +77,8 @@ static ssfr_result check(const sweep_words *w, const ssfr_list *arguments)
 {
     if (arguments->n == 0 && w->vary.n == 0)
         return ssfr_fail(SSFR_ERR_VALUE, "nothing to run: give a SPEC.yaml or --vary AXIS");
-    if (w->resume && !w->output) return ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
+    if (w->resume && !w->output)
+        return ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
     return SSFR_OK;
 }
 
@@ -85,9 +89,14 @@ int ssfr_cmd_sweep(int argc, char **argv)
     ssfr_sweep_options options = {0};
     ssfr_sweep_spec *spec = NULL;
     ssfr_command_line line;
-    const ssfr_option_set sets[] = {{"sweep", rows, &words}, {"scene and view", ssfr_stage_rows, &options.stage}, {NULL, NULL, NULL}};
-    const ssfr_usage usage = {.command = argv[0], .arguments = "[SPEC.yaml|-]", .max_arguments = 1, .sets = sets,
-                              .help = "Runs the product of all axes and writes one row a run: times, work, and errors."};
+    const ssfr_option_set sets[] = {
+        {"sweep", rows, &words}, {"scene and view", ssfr_stage_rows, &options.stage}, {NULL, NULL, NULL}};
+    const ssfr_usage usage = {
+        .command = argv[0],
+        .arguments = "[SPEC.yaml|-]",
+        .max_arguments = 1,
+        .sets = sets,
+        .help = "Runs the product of all axes and writes one row a run: times, work, and errors."};
     ssfr_stage_defaults(&options.stage);
     options.stage.size[0] = 0; /* not given */
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));

@@ -21,7 +21,8 @@ static bool carries_unit(const char *name, const char *unit)
 {
     const size_t n = strlen(name), u = strlen(unit);
     if (n <= u) return false;
-    return (strncmp(name, unit, u) == 0 && name[u] == '_') || (strcmp(name + n - u, unit) == 0 && name[n - u - 1] == '_');
+    return (strncmp(name, unit, u) == 0 && name[u] == '_') ||
+           (strcmp(name + n - u, unit) == 0 && name[n - u - 1] == '_');
 }
 
 void ssfr_column_header(const char *name, const char *unit, char *text, size_t size)

@@ -18,7 +18,8 @@ static bool set_at(const ssfr_param *row, int k, char *text, size_t size)
     if (k > n) return false;
     size_t used = (size_t)snprintf(text, size, "%s=", row->name);
     for (int i = 0; i < n && used < size; i++)
-        if (k == n || i == k) used += (size_t)snprintf(text + used, size - used, "%s%s", k == n && i ? "," : "", row->words[i]);
+        if (k == n || i == k)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", k == n && i ? "," : "", row->words[i]);
     return true;
 }
 

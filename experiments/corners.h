@@ -5,8 +5,8 @@
 
 #include "base/base.h"
 
-/* The i-th corner as "param=value", in text[size]: 0 is "", all defaults; then each other word of a choice, each word of a
- * set and all of them, the other state of a flag, half and twice a number within its range. False past the end. */
+/* The i-th corner as "param=value", in text[size]: 0 is "", all defaults; then each other word of a choice, each word
+ * of a set and all of them, the other state of a flag, half and twice a number within its range. False past the end. */
 bool ssfr_corner_at(const ssfr_pass *pass, int i, char *text, size_t size);
 
 #endif

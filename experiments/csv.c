@@ -11,7 +11,7 @@
 
 enum { MAX_FILE = 1 << 30 }; /* bytes of a table that is read back */
 
-/* ---- reading: cells are unquoted in place, so each ends no later than it began ------------------------------- */
+/* ---- reading: cells are unquoted in place, so each ends no later than it began ----------------------------------- */
 
 typedef struct reader {
     const char *path;
@@ -77,8 +77,8 @@ static ssfr_result read_record(reader *r, record_end *end)
     while (separator == ',' && result == SSFR_OK) {
         char *cell;
         if (!read_cell(r, &cell, &separator))
-            return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: expected a comma or the line's end at byte %zu", r->path, r->line,
-                             r->at);
+            return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: expected a comma or the line's end at byte %zu", r->path,
+                             r->line, r->at);
         result = add_cell(r, cell);
     }
     *end = separator == '\n' ? RECORD_WHOLE : RECORD_TORN;
@@ -167,7 +167,7 @@ int ssfr_csv_column(const ssfr_csv_table *table, const char *name)
     return found;
 }
 
-/* ---- writing --------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 struct ssfr_csv {
     char *path; /* for messages */
@@ -254,20 +254,21 @@ static ssfr_result check_header(const ssfr_csv *csv, const char *const *columns)
     for (int i = 0; i < ssfr_max_int(t->n_columns, csv->n_columns); i++) {
         const char *is = i < t->n_columns ? t->cells[i] : "missing", *should = i < csv->n_columns ? columns[i] : "none";
         if (strcmp(is, should) != 0)
-            return ssfr_fail(SSFR_ERR_VALUE, "%s: column %d is %s, expected %s: another table, nothing to resume", csv->path,
-                             i + 1, is, should);
+            return ssfr_fail(SSFR_ERR_VALUE, "%s: column %d is %s, expected %s: another table, nothing to resume",
+                             csv->path, i + 1, is, should);
     }
     return SSFR_OK;
 }
 
-/* Only one process may write a table: a second one would cut off rows of the first. */
+/* Only one process may write a table: a second one would cut off rows of the first. A file system without locks has to
+ * do without. */
 static ssfr_result open_file(ssfr_csv *csv)
 {
     struct stat info;
     csv->fd = open(csv->path, O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
     if (csv->fd < 0 || fstat(csv->fd, &info) != 0) return ssfr_fail(SSFR_ERR_IO, "%s: %s", csv->path, strerror(errno));
     csv->regular = S_ISREG(info.st_mode);
-    if (csv->regular && flock(csv->fd, LOCK_EX | LOCK_NB) != 0)
+    if (csv->regular && flock(csv->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return ssfr_fail(SSFR_ERR_IO, "%s: another process is writing it", csv->path);
     return SSFR_OK;
 }

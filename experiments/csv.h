@@ -7,7 +7,7 @@
 
 #include "base/base.h"
 
-/* ---- reading ---- */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 typedef struct ssfr_csv_table {
     int n_columns;
@@ -28,7 +28,7 @@ double ssfr_csv_cell_number(const ssfr_csv_table *table, size_t row, int column)
 /* The column of that name, with or without its unit; -1 when there is none. */
 int ssfr_csv_column(const ssfr_csv_table *table, const char *name);
 
-/* ---- writing ---- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 typedef struct ssfr_csv ssfr_csv;
 

@@ -12,7 +12,7 @@ enum { MAX_RUNS = 100000 };
 static const double warm_up = 0.1;       /* of min_seconds */
 static const double outlier_score = 3.5; /* Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993 */
 
-/* ---- statistics ------------------------------------------------------------------------------------------------ */
+/* ---- statistics -------------------------------------------------------------------------------------------------- */
 
 /* The scale of the modified z-score: from the MAD, or where more than half of the samples are equal from the mean
  * absolute deviation, each made consistent with a normal distribution's standard deviation. */
@@ -69,7 +69,8 @@ static ssfr_result add_run(samples *s, const ssfr_report *report)
     return SSFR_OK;
 }
 
-static ssfr_result run_timed(samples *s, ssfr_graph *graph, const ssfr_scene *scene, const ssfr_measure_options *options)
+static ssfr_result run_timed(samples *s, ssfr_graph *graph, const ssfr_scene *scene,
+                             const ssfr_measure_options *options)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_run_options run = {.timing = options->nodes};
@@ -182,7 +183,8 @@ static double copy_texture(const ssfr_texture *to, const ssfr_texture *from)
     glFinish();
     const double begun = ssfr_clock();
     for (int i = 0; i < COPY_BATCH; i++)
-        glCopyImageSubData(from->name, GL_TEXTURE_2D, 0, 0, 0, 0, to->name, GL_TEXTURE_2D, 0, 0, 0, 0, from->w, from->h, 1);
+        glCopyImageSubData(from->name, GL_TEXTURE_2D, 0, 0, 0, 0, to->name, GL_TEXTURE_2D, 0, 0, 0, 0, from->w, from->h,
+                           1);
     glFinish();
     const double bytes = (double)from->w * from->h * from->c * sizeof(float);
     return 2.0 * COPY_BATCH * bytes / (ssfr_clock() - begun);

@@ -18,7 +18,7 @@
 
 enum { MAX_FILE = 16 << 20 };
 
-/* ---- hashes ------------------------------------------------------------------------------------------------------- */
+/* ---- hashes ------------------------------------------------------------------------------------------------------ */
 
 uint64_t ssfr_hash_bytes(uint64_t hash, const void *data, size_t size)
 {
@@ -43,7 +43,7 @@ uint64_t ssfr_hash_particles(const ssfr_particles *particles)
     return hash;
 }
 
-/* ---- parts --------------------------------------------------------------------------------------------------------- */
+/* ---- parts ------------------------------------------------------------------------------------------------------- */
 
 void ssfr_meta_processor(char *text, size_t size)
 {
@@ -176,7 +176,7 @@ static void put_spec(ssfr_json *json, const ssfr_sweep_spec *spec)
     ssfr_json_close(json);
 }
 
-/* ---- the file ------------------------------------------------------------------------------------------------------ */
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
 
 ssfr_result ssfr_meta_path(char **out, const char *table, const char *ending)
 {
@@ -245,7 +245,8 @@ ssfr_result ssfr_meta_check(const char *table, uint64_t identity)
     if (!at)
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: has no identity, it is not of this program", path);
     else if (strtoull(at + strlen(key), NULL, 16) != identity)
-        result = ssfr_fail(SSFR_ERR_VALUE, "%s: was measured with other settings, scenes or hardware: nothing to resume", table);
+        result = ssfr_fail(SSFR_ERR_VALUE,
+                           "%s: was measured with other settings, scenes or hardware: nothing to resume", table);
 end:
     free(text);
     free(path);

@@ -39,7 +39,7 @@ SSFR_MUST ssfr_result ssfr_meta_path(char **out, const char *table, const char *
 /* Writes the file beside the table, aside and renamed when complete. */
 SSFR_MUST ssfr_result ssfr_meta_save(const char *table, const ssfr_meta *meta);
 
-/* Fails when the file beside the table tells of another identity: its rows must not be mixed. Without a file: a warning. */
+/* Fails when the file beside the table tells of another identity: such rows must not mix. Without a file: a warning. */
 SSFR_MUST ssfr_result ssfr_meta_check(const char *table, uint64_t identity);
 
 #endif

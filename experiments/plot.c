@@ -13,7 +13,7 @@ extern char **environ;
 
 enum { MAX_LINES = 64, NAME_SIZE = 192 };
 
-/* ---- points -------------------------------------------------------------------------------------------------------- */
+/* ---- points ------------------------------------------------------------------------------------------------------ */
 
 static int by_x_then_y(const void *a, const void *b)
 {
@@ -62,14 +62,17 @@ static ssfr_result find_column(const plot *p, const char *name, int *out)
 
 static ssfr_result init_axis(const plot *p, axis *a, const char *name)
 {
+    ssfr_result result = SSFR_OK;
     *a = (axis){.meaning = ssfr_column_find(name), .sign = 1, .log = true, .lo = INFINITY, .hi = -INFINITY};
+    SSFR_TRY(find_column(p, name, &a->column));
     if (a->meaning && a->meaning->better > 0) a->sign = -1, a->log = false;
     if (a->meaning)
         snprintf(a->label, sizeof a->label, "%s%s%s%s", a->meaning->help, strcmp(a->meaning->unit, "1") ? " [" : "",
                  strcmp(a->meaning->unit, "1") ? a->meaning->unit : "", strcmp(a->meaning->unit, "1") ? "]" : "");
     else
-        snprintf(a->label, sizeof a->label, "%s", name);
-    return find_column(p, name, &a->column);
+        snprintf(a->label, sizeof a->label, "%s", p->table->cells[a->column]);
+end:
+    return result;
 }
 
 static double axis_value(const plot *p, const axis *a, size_t row)
@@ -85,8 +88,8 @@ static void name_row(const plot *p, size_t row, char name[NAME_SIZE])
     name[0] = '\0';
     for (int i = 0; i < p->spec->n_lines && used < NAME_SIZE; i++) {
         const char *dot = strrchr(p->spec->lines[i], '.');
-        used += (size_t)snprintf(name + used, NAME_SIZE - used, "%s%s%s%s", i ? ", " : "", dot ? dot + 1 : "", dot ? " " : "",
-                                 ssfr_csv_cell(p->table, row, p->lines[i]));
+        used += (size_t)snprintf(name + used, NAME_SIZE - used, "%s%s%s%s", i ? ", " : "", dot ? dot + 1 : "",
+                                 dot ? " " : "", ssfr_csv_cell(p->table, row, p->lines[i]));
     }
 }
 
@@ -129,7 +132,7 @@ end:
     return result;
 }
 
-/* ---- the script ---------------------------------------------------------------------------------------------------- */
+/* ---- the script -------------------------------------------------------------------------------------------------- */
 
 /* A gnuplot string: within single quotes nothing is special but the quote itself. */
 static void put_text(FILE *file, const char *text)
@@ -225,17 +228,20 @@ static void put_lines(const plot *p, FILE *file)
         put_text(file, p->names[i]);
         fputs(", ", file);
     }
-    fprintf(file, "$front%zu using 1:2 with points pt 6 ps 1.7 lw 1.5 lc rgb 'black' title 'Pareto front'\n", p->n_names);
+    fprintf(file, "$front%zu using 1:2 with points pt 6 ps 1.7 lw 1.5 lc rgb 'black' title 'Pareto front'\n",
+            p->n_names);
 }
 
 static ssfr_result put_script(plot *p, FILE *file, const char *output)
 {
     char note[256];
-    const int length = snprintf(note, sizeof note, "lines join the best of each method, small signs are its other runs");
+    const int length =
+        snprintf(note, sizeof note, "lines join the best of each method, small signs are its other runs");
     if (p->n_left_out > 0)
-        snprintf(note + length, sizeof note - (size_t)length, "; %zu of %zu runs failed or have no value to draw", p->n_left_out,
-                 p->n_left_out + p->n_points);
-    fputs("set terminal svg size 1000,640 dynamic noenhanced font 'sans-serif,15' background 'white'\nset output ", file);
+        snprintf(note + length, sizeof note - (size_t)length, "; %zu of %zu runs failed or have no value to draw",
+                 p->n_left_out, p->n_left_out + p->n_points);
+    fputs("set terminal svg size 1000,640 dynamic noenhanced font 'sans-serif,15' background 'white'\nset output ",
+          file);
     put_text(file, output);
     fputs("\nset title ", file);
     put_text(file, p->spec->title ? p->spec->title : "work and precision");
@@ -250,7 +256,7 @@ static ssfr_result put_script(plot *p, FILE *file, const char *output)
     return result;
 }
 
-/* ---- gnuplot ------------------------------------------------------------------------------------------------------- */
+/* ---- gnuplot ----------------------------------------------------------------------------------------------------- */
 
 /* Runs gnuplot on a script that stands in a file without a name; its own complaints are not shown. */
 static int run_gnuplot(FILE *script, int *status)

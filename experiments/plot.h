@@ -15,7 +15,7 @@ typedef struct ssfr_point {
 /* Sorts the points by x, then y, and marks those on the Pareto front. */
 void ssfr_plot_front(ssfr_point *points, size_t n);
 
-/* Plots the rows of status ok. A missing gnuplot and a table without a row to draw are warnings: then no file is written. */
+/* Plots the rows of status ok. A missing gnuplot, or no row to draw, is a warning: then no file is written. */
 SSFR_MUST ssfr_result ssfr_plot_save(const char *svg, const ssfr_csv_table *table, const ssfr_plot_spec *spec);
 
 #endif

@@ -25,7 +25,7 @@ struct ssfr_rig {
     ssfr_shot shot;
 };
 
-/* ---- values of axes ------------------------------------------------------------------------------------------------ */
+/* ---- values of axes ---------------------------------------------------------------------------------------------- */
 
 static bool is_parameter(const ssfr_axis *axis)
 {
@@ -50,13 +50,13 @@ bool ssfr_rig_size(const char *text, int size[2])
     return ok;
 }
 
-/* ---- checks -------------------------------------------------------------------------------------------------------- */
+/* ---- checks ------------------------------------------------------------------------------------------------------ */
 
 static ssfr_result check_key(const ssfr_graph *graph, const ssfr_pipeline *pipeline, const char *where, const char *key)
 {
     if (ssfr_graph_row(graph, key)) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: %s: pipeline %s has no such parameter (ssfr pipelines %s lists them)", where, key,
-                     ssfr_pipeline_name(pipeline), ssfr_pipeline_name(pipeline));
+    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: %s: pipeline %s has no such parameter (ssfr pipelines %s lists them)",
+                     where, key, ssfr_pipeline_name(pipeline), ssfr_pipeline_name(pipeline));
 }
 
 static ssfr_result apply(ssfr_graph *graph, const ssfr_pipeline *pipeline, const ssfr_settings *settings)
@@ -74,8 +74,8 @@ end:
 static ssfr_result check_scene(const char *where, const char *name)
 {
     if (ssfr_builtin_find(name) || access(name, R_OK) == 0) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: scene %s: neither a built-in scene nor a file that can be read: %s", where, name,
-                     strerror(errno));
+    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: scene %s: neither a built-in scene nor a file that can be read: %s", where,
+                     name, strerror(errno));
 }
 
 static ssfr_result check_own(const ssfr_axis *axis, const char *value)
@@ -83,7 +83,8 @@ static ssfr_result check_own(const ssfr_axis *axis, const char *value)
     int size[2];
     if (strcmp(axis->key, "scene") == 0) return check_scene(axis->where, value);
     if (strcmp(axis->key, "size") == 0 && !ssfr_rig_size(value, size))
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: size %s: expected WxH, sides from 1 to %d px", axis->where, value, SSFR_MAX_SIZE);
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: size %s: expected WxH, sides from 1 to %d px", axis->where, value,
+                         SSFR_MAX_SIZE);
     if (strcmp(axis->key, "backend") == 0 && strcmp(value, "gl") != 0 && strcmp(value, "cpu") != 0)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: backend %s: expected gl or cpu", axis->where, value);
     return SSFR_OK;
@@ -94,7 +95,8 @@ static ssfr_result check_axis(ssfr_graph *graph, const ssfr_pipeline *pipeline, 
     ssfr_result result = SSFR_OK;
     if (is_parameter(axis)) SSFR_TRY(check_key(graph, pipeline, axis->where, axis->key));
     for (size_t i = 0; i < axis->n; i++)
-        SSFR_TRY(is_parameter(axis) ? ssfr_graph_set(graph, axis->key, axis->values[i]) : check_own(axis, axis->values[i]));
+        SSFR_TRY(is_parameter(axis) ? ssfr_graph_set(graph, axis->key, axis->values[i])
+                                    : check_own(axis, axis->values[i]));
 end:
     return result;
 }
@@ -112,7 +114,7 @@ end:
     return result;
 }
 
-/* ---- the rig ------------------------------------------------------------------------------------------------------- */
+/* ---- the rig ----------------------------------------------------------------------------------------------------- */
 
 static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig_options *o, ssfr_gl *gl)
 {
@@ -171,7 +173,7 @@ const ssfr_graph *ssfr_rig_graph(const ssfr_rig *rig)
     return rig->cpu;
 }
 
-/* ---- one run ------------------------------------------------------------------------------------------------------- */
+/* ---- one run ----------------------------------------------------------------------------------------------------- */
 
 static ssfr_result set_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
@@ -202,7 +204,8 @@ static ssfr_result set_parameters(const ssfr_rig *rig, ssfr_graph *graph, const 
     ssfr_result result = SSFR_OK;
     const ssfr_sweep_spec *spec = rig->o->spec;
     for (int i = 0; i < spec->n_axes && result == SSFR_OK; i++)
-        if (is_parameter(&spec->axes[i])) result = ssfr_graph_set(graph, spec->axes[i].key, spec->axes[i].values[index[i]]);
+        if (is_parameter(&spec->axes[i]))
+            result = ssfr_graph_set(graph, spec->axes[i].key, spec->axes[i].values[index[i]]);
     return result;
 }
 
@@ -213,7 +216,8 @@ static ssfr_result take(const ssfr_rig *rig, ssfr_shot *shot, const ssfr_graph *
 }
 
 /* Two runs agree in all axes, or in scene and size alone, which is what the reference depends on. */
-static bool same_run(const ssfr_sweep_spec *spec, const size_t a[SSFR_MAX_AXES], const size_t b[SSFR_MAX_AXES], bool reference)
+static bool same_run(const ssfr_sweep_spec *spec, const size_t a[SSFR_MAX_AXES], const size_t b[SSFR_MAX_AXES],
+                     bool reference)
 {
     bool same = true;
     for (int i = 0; i < spec->n_axes; i++) {
@@ -287,7 +291,8 @@ static bool cpu_is_next(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX
 {
     const int last = spec->n_axes - 1;
     const ssfr_axis *axis = &spec->axes[last];
-    return strcmp(axis->key, "backend") == 0 && index[last] + 1 < axis->n && strcmp(axis->values[index[last] + 1], "cpu") == 0;
+    return strcmp(axis->key, "backend") == 0 && index[last] + 1 < axis->n &&
+           strcmp(axis->values[index[last] + 1], "cpu") == 0;
 }
 
 static ssfr_result compare(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], const ssfr_shot *shot,

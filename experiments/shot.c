@@ -27,7 +27,7 @@ static const measure reference_measures[] = {
     {SSFR_COLUMN_ref_ssim, SSFR_SHOT_COLOUR, "ssim"},
 };
 
-/* ---- reading ------------------------------------------------------------------------------------------------------ */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 /* The slot of a part, NULL when the pipeline does not write it. */
 static const char *slot_of(const ssfr_graph *graph, const ssfr_pipeline *pipeline, ssfr_shot_part part)
@@ -84,7 +84,7 @@ void ssfr_shot_finish(ssfr_shot *shot)
     for (int part = 0; part < SSFR_SHOT_PARTS; part++) ssfr_field_destroy(&shot->parts[part]);
 }
 
-/* ---- comparing ---------------------------------------------------------------------------------------------------- */
+/* ---- comparing --------------------------------------------------------------------------------------------------- */
 
 static ssfr_result run_measures(const ssfr_shot *shot, const ssfr_shot *other, size_t n, const measure *measures,
                                 double values[SSFR_N_COLUMNS])
@@ -119,7 +119,8 @@ ssfr_result ssfr_shot_compare_twin(const ssfr_shot *shot, const ssfr_shot *twin,
     return run_measures(shot, twin, SSFR_COUNT(twin_measures), twin_measures, values);
 }
 
-ssfr_result ssfr_shot_compare_reference(const ssfr_shot *shot, const ssfr_shot *reference, double values[SSFR_N_COLUMNS])
+ssfr_result ssfr_shot_compare_reference(const ssfr_shot *shot, const ssfr_shot *reference,
+                                        double values[SSFR_N_COLUMNS])
 {
     return run_measures(shot, reference, SSFR_COUNT(reference_measures), reference_measures, values);
 }

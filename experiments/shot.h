@@ -14,12 +14,14 @@ typedef struct ssfr_shot {
 /* Wants depth and normal beside the result, so that every timed frame makes them. */
 SSFR_MUST ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline);
 /* Reads the graph's last frame, w x h px. */
-SSFR_MUST ssfr_result ssfr_shot_take(ssfr_shot *shot, const ssfr_graph *graph, const ssfr_pipeline *pipeline, int w, int h);
+SSFR_MUST ssfr_result ssfr_shot_take(ssfr_shot *shot, const ssfr_graph *graph, const ssfr_pipeline *pipeline, int w,
+                                     int h);
 void ssfr_shot_finish(ssfr_shot *shot);
 
 /* Fill the columns nan_count, twin_* and ref_* of values. */
 SSFR_MUST ssfr_result ssfr_shot_count_nan(const ssfr_shot *shot, double values[SSFR_N_COLUMNS]);
-SSFR_MUST ssfr_result ssfr_shot_compare_twin(const ssfr_shot *shot, const ssfr_shot *twin, double values[SSFR_N_COLUMNS]);
+SSFR_MUST ssfr_result ssfr_shot_compare_twin(const ssfr_shot *shot, const ssfr_shot *twin,
+                                             double values[SSFR_N_COLUMNS]);
 SSFR_MUST ssfr_result ssfr_shot_compare_reference(const ssfr_shot *shot, const ssfr_shot *reference,
                                                   double values[SSFR_N_COLUMNS]);
 

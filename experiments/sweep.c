@@ -32,7 +32,7 @@ typedef struct sweep {
     size_t n_failed;
 } sweep;
 
-/* ---- the runs ------------------------------------------------------------------------------------------------------ */
+/* ---- the runs ---------------------------------------------------------------------------------------------------- */
 
 /* Runs that differ in the backend alone share a twin, so a shard takes them together. */
 static ssfr_result count_runs(sweep *s)
@@ -67,7 +67,7 @@ static void fill_key(const sweep *s, const size_t index[SSFR_MAX_AXES], key *k)
     k->cells[n++] = k->height;
 }
 
-/* ---- columns ------------------------------------------------------------------------------------------------------- */
+/* ---- columns ----------------------------------------------------------------------------------------------------- */
 
 static void add_column(sweep *s, const char *name, const char *unit)
 {
@@ -108,11 +108,12 @@ static ssfr_result check_plot(const sweep *s)
     const char *names[2 + SSFR_MAX_LINES] = {p->x, p->y};
     for (int i = 0; i < p->n_lines; i++) names[2 + i] = p->lines[i];
     for (int i = 0; p->x && i < 2 + p->n_lines; i++)
-        if (!has_column(s, names[i])) return ssfr_fail(SSFR_ERR_UNKNOWN, "plot: the table will have no column %s", names[i]);
+        if (!has_column(s, names[i]))
+            return ssfr_fail(SSFR_ERR_UNKNOWN, "plot: the table will have no column %s", names[i]);
     return SSFR_OK;
 }
 
-/* ---- rows ---------------------------------------------------------------------------------------------------------- */
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
 
 static ssfr_result write_row(sweep *s, const key *k, const char *status, const double values[SSFR_N_COLUMNS])
 {
@@ -148,7 +149,7 @@ static void ask_to_stop(int number)
 /* The first signal lets the row be finished, the second ends the process. */
 static void catch_signals(void)
 {
-    struct sigaction action = {.sa_handler = ask_to_stop, .sa_flags = (int)SA_RESETHAND};
+    struct sigaction action = {.sa_handler = ask_to_stop, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
     sigemptyset(&action.sa_mask);
     stop = 0;
     sigaction(SIGINT, &action, NULL);
@@ -180,7 +181,7 @@ end:
     return result;
 }
 
-/* ---- what a table's rows have in common ------------------------------------------------------------------------------ */
+/* ---- what a table's rows have in common -------------------------------------------------------------------------- */
 
 static uint64_t hash_settings(uint64_t hash, const ssfr_settings *settings)
 {
@@ -234,10 +235,18 @@ static ssfr_result begin_table(sweep *s)
     SSFR_TRY(ssfr_csv_create(&s->csv, s->o->output, s->n_columns, s->columns, s->n_keys, s->o->resume));
     if (!s->o->output) goto end;
     if (ssfr_csv_resumed(s->csv)) SSFR_TRY(ssfr_meta_check(s->o->output, identity));
-    const ssfr_meta meta = {.argc = s->o->argc, .argv = s->o->argv, .seed = s->o->seed, .identity = identity, .gl = s->gl,
-                            .pipeline = ssfr_pipeline_name(s->pipeline), .graph = ssfr_rig_graph(s->rig), .spec = s->spec,
-                            .n_scenes = (int)scenes->n, .scenes = records,
-                            .bandwidth_gl = s->rig_options.bandwidth_gl, .bandwidth_cpu = s->rig_options.bandwidth_cpu};
+    const ssfr_meta meta = {.argc = s->o->argc,
+                            .argv = s->o->argv,
+                            .seed = s->o->seed,
+                            .identity = identity,
+                            .gl = s->gl,
+                            .pipeline = ssfr_pipeline_name(s->pipeline),
+                            .graph = ssfr_rig_graph(s->rig),
+                            .spec = s->spec,
+                            .n_scenes = (int)scenes->n,
+                            .scenes = records,
+                            .bandwidth_gl = s->rig_options.bandwidth_gl,
+                            .bandwidth_cpu = s->rig_options.bandwidth_cpu};
     SSFR_TRY(ssfr_meta_save(s->o->output, &meta));
 end:
     for (size_t i = 0; records && i < scenes->n; i++) ssfr_record_finish(&records[i]);
@@ -245,7 +254,7 @@ end:
     return result;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------------------------------ */
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 static ssfr_result dry_run(sweep *s)
 {
@@ -278,8 +287,13 @@ static ssfr_result make_rig(sweep *s)
     const bool on_gpu = uses_backend(s->spec, "gl");
     ssfr_rig_options *r = &s->rig_options;
     if (on_gpu) SSFR_TRY(ssfr_gl_create(&s->gl, SSFR_GL_OWN));
-    *r = (ssfr_rig_options){.spec = s->spec, .pipeline = s->pipeline, .gl = s->gl, .stage = s->o->stage,
-                            .measure = ssfr_measure_defaults(s->o->quick), .bandwidth_gl = NAN, .no_twin = s->o->no_twin};
+    *r = (ssfr_rig_options){.spec = s->spec,
+                            .pipeline = s->pipeline,
+                            .gl = s->gl,
+                            .stage = s->o->stage,
+                            .measure = ssfr_measure_defaults(s->o->quick),
+                            .bandwidth_gl = NAN,
+                            .no_twin = s->o->no_twin};
     r->measure.max_seconds = s->o->max_time;
     r->bandwidth_cpu = ssfr_measure_copy_bandwidth(NULL);
     if (on_gpu) r->bandwidth_gl = ssfr_gl_is_software(s->gl) ? r->bandwidth_cpu : ssfr_measure_copy_bandwidth(s->gl);

@@ -17,7 +17,8 @@ typedef struct ssfr_sweep_options {
     long seed;
 } ssfr_sweep_options;
 
-/* Runs the full product of a complete spec in order. SIGINT or SIGTERM lets the row in progress be finished; then it fails. */
+/* Runs the full product of a complete spec in order. After SIGINT or SIGTERM the row in progress is finished; then it
+ * fails. */
 SSFR_MUST ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options *options);
 
 #endif

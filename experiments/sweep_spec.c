@@ -16,7 +16,7 @@ static ssfr_result copy_text(char **out, const char *text, size_t length)
     return result;
 }
 
-/* ---- axes ------------------------------------------------------------------------------------------------------ */
+/* ---- axes -------------------------------------------------------------------------------------------------------- */
 
 static void finish_axis(ssfr_axis *axis)
 {
@@ -43,7 +43,8 @@ end:
 static ssfr_result add_value(ssfr_axis *axis, const char *text, size_t length)
 {
     ssfr_result result = SSFR_OK;
-    if (length == 0) return ssfr_fail(SSFR_ERR_VALUE, "%s: %s: value %zu is empty", axis->where, axis->key, axis->n + 1);
+    if (length == 0)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: %s: value %zu is empty", axis->where, axis->key, axis->n + 1);
     SSFR_TRY(copy_text(&axis->values[axis->n], text, length));
     for (size_t i = 0; i < axis->n; i++)
         if (strcmp(axis->values[i], axis->values[axis->n]) == 0) {
@@ -72,7 +73,8 @@ static bool parse_range(const char *text, range *out)
 {
     char part[3][64];
     const char *at = text;
-    const size_t length = strlen(text), all = length > 4 && strcmp(text + length - 4, " log") == 0 ? length - 4 : length;
+    const size_t length = strlen(text),
+                 all = length > 4 && strcmp(text + length - 4, " log") == 0 ? length - 4 : length;
     double *const to[3] = {&out->lo, &out->hi, &out->step};
     out->log = all < length;
     for (int k = 0; k < 3; k++) {
@@ -168,8 +170,8 @@ static ssfr_result check_axis_key(const char *where, const char *key)
     bool known = is_parameter(key);
     for (size_t i = 0; i < SSFR_COUNT(own); i++) known |= strcmp(key, own[i]) == 0;
     if (known) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no axis %s: it is a parameter such as pass.param, or scene, size or backend", where,
-                     key);
+    return ssfr_fail(SSFR_ERR_UNKNOWN,
+                     "%s: no axis %s: it is a parameter such as pass.param, or scene, size or backend", where, key);
 }
 
 ssfr_result ssfr_sweep_spec_vary(ssfr_sweep_spec *spec, const char *where, const char *key, const char *values)
@@ -187,7 +189,7 @@ end:
     return result;
 }
 
-/* ---- texts of the form key=value -------------------------------------------------------------------------------- */
+/* ---- texts of the form key=value --------------------------------------------------------------------------------- */
 
 static ssfr_result split(const char *where, const char *text, char **key, const char **value)
 {
@@ -256,7 +258,8 @@ ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec)
     static const char *const axes[][2] = {{"scene", "double_dam_break"}, {"size", "1280x720"}, {"backend", "gl"}};
     ssfr_result result = SSFR_OK;
     for (size_t i = 0; i < SSFR_COUNT(axes) && result == SSFR_OK; i++)
-        if (!ssfr_sweep_spec_axis(spec, axes[i][0])) result = ssfr_sweep_spec_vary(spec, "default", axes[i][0], axes[i][1]);
+        if (!ssfr_sweep_spec_axis(spec, axes[i][0]))
+            result = ssfr_sweep_spec_vary(spec, "default", axes[i][0], axes[i][1]);
     return result;
 }
 
@@ -272,7 +275,7 @@ ssfr_result ssfr_sweep_spec_pipeline(ssfr_sweep_spec *spec, const char *name)
     return replace_text(&spec->pipeline, name);
 }
 
-/* ---- the object ------------------------------------------------------------------------------------------------- */
+/* ---- the object -------------------------------------------------------------------------------------------------- */
 
 ssfr_result ssfr_sweep_spec_create(ssfr_sweep_spec **out)
 {
@@ -331,7 +334,7 @@ void ssfr_sweep_spec_run(const ssfr_sweep_spec *spec, size_t i, size_t index[SSF
     }
 }
 
-/* ---- YAML --------------------------------------------------------------------------------------------------------- */
+/* ---- YAML -------------------------------------------------------------------------------------------------------- */
 
 typedef struct reader {
     const char *path;
@@ -532,8 +535,9 @@ static const struct {
     const char *name;
     visit_fn *read;
 } keys[] = {
-    {"title", read_title}, {"pipeline", read_pipeline}, {"scene", read_axis},         {"size", read_axis}, {"backend", read_axis},
-    {"set", read_settings}, {"vary", read_vary},        {"reference", read_reference}, {"plot", read_plot},
+    {"title", read_title}, {"pipeline", read_pipeline},   {"scene", read_axis},
+    {"size", read_axis},   {"backend", read_axis},        {"set", read_settings},
+    {"vary", read_vary},   {"reference", read_reference}, {"plot", read_plot},
 };
 
 static ssfr_result read_key(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
@@ -599,7 +603,8 @@ static ssfr_result read_standard_input(char **out, size_t *size)
     if (result != SSFR_OK) return result;
     *size = fread(*out, 1, MAX_FILE, stdin);
     if (ferror(stdin)) result = ssfr_fail(SSFR_ERR_IO, "standard input: %s", strerror(errno));
-    if (*size == MAX_FILE) result = ssfr_fail(SSFR_ERR_VALUE, "standard input: a sweep has less than %d bytes", MAX_FILE);
+    if (*size == MAX_FILE)
+        result = ssfr_fail(SSFR_ERR_VALUE, "standard input: a sweep has less than %d bytes", MAX_FILE);
     return result;
 }
 

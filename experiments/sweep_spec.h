@@ -61,9 +61,10 @@ SSFR_MUST ssfr_result ssfr_sweep_spec_create(ssfr_sweep_spec **out);
 SSFR_MUST ssfr_result ssfr_sweep_spec_load(ssfr_sweep_spec **out, const char *path);
 void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec);
 
-/* Adds an axis from "a,b,c", "lo:hi:step" (hi included when hit within 1e-9 steps) or "lo:hi:N log"; one of the same key
- * is replaced, in its place. */
-SSFR_MUST ssfr_result ssfr_sweep_spec_vary(ssfr_sweep_spec *spec, const char *where, const char *key, const char *values);
+/* Adds an axis from "a,b,c", "lo:hi:step" (hi included when hit within 1e-9 steps) or "lo:hi:N log"; one of the same
+ * key is replaced, in its place. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_vary(ssfr_sweep_spec *spec, const char *where, const char *key,
+                                           const char *values);
 /* The same from "key=values". */
 SSFR_MUST ssfr_result ssfr_sweep_spec_vary_text(ssfr_sweep_spec *spec, const char *where, const char *text);
 /* Adds "key=value" to the settings of every run. */

@@ -233,7 +233,8 @@ static void another_header_is_not_resumed(void **state)
 {
     (void)state;
     const char *path = test_path("header.csv");
-    static const char *const renamed[] = {"key", "area", "value [m^2]"}, *const more[] = {"key", "size", "value [m^2]", "x"};
+    static const char *const renamed[] = {"key", "area", "value [m^2]"}, *const more[] = {"key", "size", "value [m^2]",
+                                                                                          "x"};
     ssfr_csv *csv = NULL;
     size_t before, after;
     fill(path, false);

@@ -13,7 +13,8 @@ static void the_hash_is_fnv_1a(void **state)
     assert_true(ssfr_hash_bytes(SSFR_HASH, "", 0) == UINT64_C(0xcbf29ce484222325));
     assert_true(ssfr_hash_bytes(SSFR_HASH, "a", 1) == UINT64_C(0xaf63dc4c8601ec8c));
     assert_true(ssfr_hash_bytes(SSFR_HASH, "foobar", 6) == UINT64_C(0x85944171f73967e8));
-    assert_true(ssfr_hash_text(ssfr_hash_text(SSFR_HASH, "ab"), "c") != ssfr_hash_text(ssfr_hash_text(SSFR_HASH, "a"), "bc"));
+    assert_true(ssfr_hash_text(ssfr_hash_text(SSFR_HASH, "ab"), "c") !=
+                ssfr_hash_text(ssfr_hash_text(SSFR_HASH, "a"), "bc"));
 }
 
 static uint64_t hash_of(size_t n, const double *positions)

@@ -27,7 +27,8 @@ static void a_front_agrees_with_its_definition(void **state)
     uint64_t seed = 2385;
     int n_front = 0;
     for (size_t i = 0; i < N; i++)
-        points[i] = (ssfr_point){.x = floor(test_random(&seed, 0, 30)), .y = floor(test_random(&seed, 0, 30)), .line = i};
+        points[i] =
+            (ssfr_point){.x = floor(test_random(&seed, 0, 30)), .y = floor(test_random(&seed, 0, 30)), .line = i};
     ssfr_plot_front(points, N);
     for (size_t i = 0; i < N; i++) {
         bool beaten = false;
@@ -158,7 +159,8 @@ static void more_lines_than_can_be_told_apart_are_refused(void **state)
     for (int i = 0; i < 65; i++) snprintf(text + strlen(text), 32, "n%d,%d,2.385\n", i, i + 1);
     ssfr_csv_table *table = table_of(text);
     const ssfr_plot_spec spec = {.x = x, .y = y, .n_lines = 1, .lines = {name}};
-    assert_fails(SSFR_ERR_VALUE, ssfr_plot_save(test_path("many.svg"), table, &spec), "more than 64 lines, the next is n64");
+    assert_fails(SSFR_ERR_VALUE, ssfr_plot_save(test_path("many.svg"), table, &spec),
+                 "more than 64 lines, the next is n64");
     ssfr_csv_table_destroy(&table);
 }
 
@@ -201,7 +203,8 @@ static void a_folder_that_is_missing_is_an_error(void **state)
     ssfr_csv_table *table = table_of(rows);
     const ssfr_plot_spec spec = spec_of(NULL, x, y);
     if (access("/usr/bin/gnuplot", X_OK) != 0) skip();
-    assert_fails(SSFR_ERR_IO, ssfr_plot_save(test_path("absent/plot.svg"), table, &spec), "absent/plot.svg: gnuplot failed");
+    assert_fails(SSFR_ERR_IO, ssfr_plot_save(test_path("absent/plot.svg"), table, &spec),
+                 "absent/plot.svg: gnuplot failed");
     ssfr_csv_table_destroy(&table);
 }
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# test_sweep.sh: sweep, bench and check from outside: every row once, whatever interrupts a sweep; errors before anything runs.
-# shellcheck disable=SC2086,SC2012 # options stand in variables, several words each; names here are plain
+# test_sweep.sh: sweep, bench and check from outside: every row once, errors before anything runs.
+# shellcheck disable=SC2086,SC2012,SC2015,SC2016 # variables hold several options; names are plain
 
 ssfr=$(cd "$(dirname "${SSFR:-${BUILD:-build}/ssfr}")" && pwd)/$(basename "${SSFR:-ssfr}")
 specs=$(cd "$(dirname "$0")/../experiments" && pwd)
@@ -41,6 +41,7 @@ that() {
     if "$@"; then ok "$name"; else bad "$name" "$*"; fi
 }
 
+lines() { if [ -e "$1" ]; then wc -l <"$1"; else echo 0; fi; }
 rows() { echo $(($(wc -l <"$1") - 1)); }
 # column FILE NAME: its cells; only for tables without quoted cells.
 column() {
@@ -56,7 +57,8 @@ brief="--max-time 0.05"
 
 # ---- what runs ----
 
-leaves 0 'a dry run lists the product' sweep $cpu --vary curvature_flow.iterations=0:4:2 --vary sphere_depth.splat=point,exact --dry-run
+leaves 0 'a dry run lists the product' sweep $cpu \
+    --vary curvature_flow.iterations=0:4:2 --vary sphere_depth.splat=point,exact --dry-run
 printf '%s\n' 0,point 0,exact 2,point 2,exact 4,point 4,exact >wanted
 that 'in order, the last axis fastest' [ "$(sed 1d out | cut -d, -f1,2)" = "$(cat wanted)" ]
 that 'under a header that names the axes' [ "$(head -n 1 out)" = \
@@ -65,7 +67,8 @@ rm wanted
 leaves 0 'a unit stands behind its axis' sweep $cpu --vary curvature_flow.dt=0,1e-6 --dry-run
 that 'in brackets' grep -qF 'curvature_flow.dt [m^2],scene' out
 that 'a dry run writes nothing' nothing_but
-leaves 0 'scenes, sizes and backends are axes too' sweep --vary scene=block,sphere --vary size=48x32,32x48 --vary backend=cpu,gl --dry-run
+leaves 0 'scenes, sizes and backends are axes too' sweep \
+    --vary scene=block,sphere --vary size=48x32,32x48 --vary backend=cpu,gl --dry-run
 that 'with columns of their own' [ "$(sed -n 3p out)" = block,vanderlaan2009,gl,48,32 ]
 leaves 0 'the first sweep of a paper is sound' sweep "$specs/vanderlaan2009/iterations.yaml" --dry-run
 that 'and holds its whole product' [ "$(rows out)" -eq 162 ]
@@ -79,14 +82,17 @@ that 'and took time' [ "$(column out ms_median | awk '$1 > 0' | wc -l)" -eq 2 ]
 that 'standard output has no metadata' nothing_but
 leaves 0 'a sweep goes to a file' sweep $cpu $brief --vary curvature_flow.iterations=0,5 -o t.csv
 that 'with its metadata beside it' nothing_but t.csv t.meta.json
-that 'which name the machine, the scene and the parameters' [ "$(grep -c '"processor"\|"scene.hash"\|"medium.ior"' t.meta.json)" -eq 3 ]
+that 'which name the machine, the scene and the parameters' \
+    [ "$(grep -c '"processor"\|"scene.hash"\|"medium.ior"' t.meta.json)" -eq 3 ]
 leaves 0 'the same sweep replaces the table' sweep $cpu $brief --vary curvature_flow.iterations=0,5 -o t.csv
 that 'with as many rows' each_once t.csv 2
 rm t.*
 
-leaves 0 'a run is compared with a reference' sweep $cpu $brief --vary curvature_flow.iterations=10,20 --reference curvature_flow.iterations=20 -o r.csv
+leaves 0 'a run is compared with a reference' sweep $cpu $brief \
+    --vary curvature_flow.iterations=10,20 --reference curvature_flow.iterations=20 -o r.csv
 that 'which it is, for one of them' [ "$(sed -n 3p r.csv | grep -c ',0,0,0,1,inf,1$')" -eq 1 ]
-that 'and is not, for the other' awk -F, 'NR == 2 && $(NF - 5) > 0 && $(NF - 3) > 0 && $(NF - 1) < 100 { found = 1 } END { exit !found }' r.csv
+that 'and is not, for the other' \
+    awk -F, 'NR == 2 && $(NF - 5) > 0 && $(NF - 3) > 0 && $(NF - 1) < 100 { found = 1 } END { exit !found }' r.csv
 rm r.*
 
 # ---- killed and resumed ----
@@ -96,9 +102,9 @@ kills=0
 while [ $kills -lt 3 ]; do
     "$ssfr" sweep $many -o k.csv --resume 2>/dev/null &
     child=$!
-    had=$([ -e k.csv ] && wc -l <k.csv || echo 0)
+    had=$(lines k.csv)
     tries=0
-    while [ $tries -lt 200 ] && [ "$([ -e k.csv ] && wc -l <k.csv || echo 0)" -lt $((had + 4)) ]; do sleep 0.05; tries=$((tries + 1)); done
+    while [ $tries -lt 200 ] && [ "$(lines k.csv)" -lt $((had + 4)) ]; do sleep 0.05; tries=$((tries + 1)); done
     kill -KILL $child 2>/dev/null && kills=$((kills + 1)) || break
     wait $child 2>/dev/null
 done
@@ -118,7 +124,7 @@ for part in 10 200 $((size / 2)) $((size - 20)) $((size - 1)); do
 done
 "$ssfr" sweep $many -o i.csv 2>err &
 child=$!
-while [ "$([ -e i.csv ] && wc -l <i.csv || echo 0)" -lt 4 ]; do sleep 0.05; done
+while [ "$(lines i.csv)" -lt 4 ]; do sleep 0.05; done
 kill -TERM $child
 wait $child
 status=$?
@@ -127,7 +133,8 @@ that 'says how to go on' grep -q '^ssfr sweep: interrupted after [0-9]* of 24 ru
 that 'and ends in a whole row' [ "$(tail -n 1 i.csv | tr -cd , | wc -c)" -eq "$(head -n 1 i.csv | tr -cd , | wc -c)" ]
 leaves 0 'from which it goes on' sweep $many -o i.csv --resume
 that 'to every row once' each_once i.csv 24
-refuses 'a table of other columns is not resumed' 'column 1 is curvature_flow.iterations, expected curvature_flow.step' \
+refuses 'a table of other columns is not resumed' \
+    'column 1 is curvature_flow.iterations, expected curvature_flow.step' \
     sweep $cpu --vary curvature_flow.step=0.5 -o i.csv --resume
 refuses 'nor one that was measured with other settings' 'i.csv: was measured with other settings' \
     sweep $many --set medium.ior=1.4 -o i.csv --resume
@@ -156,11 +163,14 @@ refuses 'a key that is none has its place' 'wrong.yaml:4:1: no key very' sweep w
 wrong 's/^scene: .*/scene: {a: b}/'
 refuses 'so has a value of the wrong kind' 'wrong.yaml:1:8: scene: expected one value' sweep wrong.yaml -o w.csv
 wrong 's/iterations: 0:4:2/repeats: 0:4:2/'
-refuses 'so has a parameter that is none' 'wrong.yaml:5:3: curvature_flow.repeats: pipeline vanderlaan2009 has no such parameter' sweep wrong.yaml -o w.csv
+refuses 'so has a parameter that is none' \
+    'wrong.yaml:5:3: curvature_flow.repeats: pipeline vanderlaan2009 has no such parameter' \
+    sweep wrong.yaml -o w.csv
 wrong 's/0:4:2/-2:4:2/'
 refuses 'a value out of range is named' 'curvature_flow.iterations=-2: out of range' sweep wrong.yaml -o w.csv
 wrong 's/0:4:2/0:1:0.5/'
-refuses 'so is a number that is not whole' 'curvature_flow.iterations=0.5: expected a whole number' sweep wrong.yaml -o w.csv
+refuses 'so is a number that is not whole' 'curvature_flow.iterations=0.5: expected a whole number' \
+    sweep wrong.yaml -o w.csv
 wrong 's/cpu/gpu/'
 refuses 'so is a backend that is none' 'wrong.yaml:3:1: backend gpu: expected gl or cpu' sweep wrong.yaml -o w.csv
 wrong 's/48x32/48/'
@@ -168,14 +178,17 @@ refuses 'so is a size that is none' 'wrong.yaml:2:1: size 48: expected WxH' swee
 wrong 's/block/rock/'
 refuses 'so is a scene that is none' 'wrong.yaml:1:1: scene rock: neither' sweep wrong.yaml -o w.csv
 wrong 's/x: iterations/x: ref_speed/'
-refuses 'so is a column that a plot cannot have' 'plot: the table will have no column ref_speed' sweep wrong.yaml -o w.csv
+refuses 'so is a column that a plot cannot have' 'plot: the table will have no column ref_speed' \
+    sweep wrong.yaml -o w.csv
 refuses 'a file that is missing is named' 'absent.yaml' sweep absent.yaml
 refuses 'a pipeline that is none is named' 'nothing: no such pipeline' sweep spec.yaml --pipeline nothing
 refuses 'a setting that is none is named' '--set: no.thing: pipeline' sweep spec.yaml --set no.thing=1
 refuses 'so is one of the reference' '--reference: no.thing: pipeline' sweep spec.yaml --reference no.thing=1
 refuses 'a sweep must have something to run' 'nothing to run' sweep
 refuses 'going on needs a table' '--resume needs' sweep spec.yaml --resume
-for shard in 0/2 3/2 1 x/2 1/2/3 1/ -1/2; do refuses "a shard is not $shard" "--shard $shard: expected K/N" sweep spec.yaml --shard=$shard; done
+for shard in 0/2 3/2 1 x/2 1/2/3 1/ -1/2; do
+    refuses "a shard is not $shard" "--shard $shard: expected K/N" sweep spec.yaml --shard=$shard
+done
 refuses 'a folder that is missing is named' 'absent/t.csv' sweep spec.yaml -o absent/t.csv
 that 'nothing is left of all this' nothing_but spec.yaml wrong.yaml
 
@@ -187,7 +200,8 @@ rm ./p.*
 leaves 0 'a plot can be left out' sweep spec.yaml $brief -o p.csv --no-plot
 that 'and is' [ ! -e p.svg ]
 "$ssfr" sweep - $brief --vary curvature_flow.iterations=3 <spec.yaml >out 2>err
-that 'a spec comes from standard input, and the command line counts for more' [ "$(column out curvature_flow.iterations)" = 3 ]
+that 'a spec comes from standard input, and the command line counts for more' \
+    [ "$(column out curvature_flow.iterations)" = 3 ]
 rm ./p.*
 
 # ---- bench ----
@@ -195,7 +209,8 @@ rm ./p.*
 leaves 0 'bench times a pipeline' bench --scene block --size 48x32 --backend cpu $brief -o b.csv
 that 'pass by pass' grep -Eq '^curvature_flow	ran	[0-9.]+	[0-9.]+	[0-9.]+ %	' out
 that 'and says what was left out and why' grep -Eq '^noise_normals	needless: .*	-	-' out
-that 'its table has a row a node and two for the frame' [ "$(cut -d, -f6 b.csv | grep -cx 'composite\|(frame)\|(frame while timed)')" -eq 3 ]
+that 'its table has a row a node and two for the frame' \
+    [ "$(cut -d, -f6 b.csv | grep -cx 'composite\|(frame)\|(frame while timed)')" -eq 3 ]
 that 'with metadata' grep -q '"curvature_flow.iterations": 40' b.meta.json
 refuses 'bench knows its pipelines' 'solver: no such pipeline; there are vanderlaan2009' bench solver
 refuses 'bench finds out at once where it cannot write' 'absent/b.csv' bench -o absent/b.csv
@@ -204,8 +219,10 @@ rm ./b.*
 # ---- what needs GL ----
 
 if "$ssfr" check background --scene empty >out 2>err; then
-    leaves 0 'rounding is compared with the twin' sweep --scene block --size 48x32 --backend gl,cpu $brief --vary sphere_depth.splat=point,quad
-    that 'for OpenGL, where it is small' [ "$(awk -F, 'NR > 1 && $4 == "gl" && $(NF - 6) > 60 && $(NF - 7) < 0.1' out | wc -l)" -eq 2 ]
+    leaves 0 'rounding is compared with the twin' sweep --scene block --size 48x32 \
+        --backend gl,cpu $brief --vary sphere_depth.splat=point,quad
+    that 'for OpenGL, where it is small' \
+        [ "$(awk -F, 'NR > 1 && $4 == "gl" && $(NF - 6) > 60 && $(NF - 7) < 0.1' out | wc -l)" -eq 2 ]
     that 'and not for the twin itself' [ "$(awk -F, 'NR > 1 && $4 == "cpu" && $(NF - 6) == "NaN"' out | wc -l)" -eq 2 ]
     run sweep --scene block --size 48x32 $brief --vary sphere_depth.max_point_px=50,2000 --set sphere_depth.splat=point
     that 'a run that fails is no failure of the sweep' [ $status -eq 0 ]

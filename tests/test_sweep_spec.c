@@ -101,7 +101,8 @@ static void an_axis_of_too_many_values_or_too_many_axes_are_refused(void **state
     assert_int_equal(ssfr_alloc(&text, 20100, 1, "a list"), SSFR_OK);
     strcpy(text, "a.b=");
     for (int i = 0; i <= SSFR_MAX_VALUES; i++) strcpy(text + 4 + 2 * i, "1,");
-    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_vary_text(spec, "--vary", text), "a.b has 10002 values, at most 10000");
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_vary_text(spec, "--vary", text),
+                 "a.b has 10002 values, at most 10000");
     free(text);
     for (int i = 0; i < SSFR_MAX_AXES; i++) {
         char key[16];
@@ -174,6 +175,37 @@ static void settings_are_split_at_the_first_equals_sign(void **state)
     assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_set_text(spec, "--set", "a.b"), "--set a.b: expected key=value");
     for (int i = 1; i < SSFR_MAX_SETTINGS; i++) assert_int_equal(ssfr_sweep_spec_set_text(spec, "", "a.b=1"), SSFR_OK);
     assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_set_text(spec, "--set", "a.b=1"), "more than 256 settings");
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void a_sweep_is_completed_by_what_it_lacks(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    size_t n = 0;
+    assert_int_equal(ssfr_sweep_spec_vary_text(spec, "", "size=640x360,64x48"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
+    assert_int_equal(spec->n_axes, 3);
+    assert_string_equal(spec->axes[0].key, "size");
+    assert_string_equal(spec->axes[1].values[0], "double_dam_break");
+    assert_string_equal(spec->axes[2].key, "backend");
+    assert_string_equal(spec->axes[2].values[0], "gl");
+    assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
+    assert_int_equal(n, 2);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void a_reference_is_there_once_it_has_a_setting(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    assert_false(spec->has_reference);
+    assert_int_equal(ssfr_sweep_spec_reference_text(spec, "--reference", "flow.step=2.385"), SSFR_OK);
+    assert_true(spec->has_reference);
+    assert_string_equal(spec->reference.items[0].value, "2.385");
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_reference_text(spec, "--reference", "flow"),
+                 "--reference flow: expected");
     ssfr_sweep_spec_destroy(&spec);
 }
 
@@ -332,6 +364,8 @@ int main(void)
         cmocka_unit_test(the_product_runs_with_the_last_axis_fastest),
         cmocka_unit_test(a_product_without_end_is_refused),
         cmocka_unit_test(settings_are_split_at_the_first_equals_sign),
+        cmocka_unit_test(a_sweep_is_completed_by_what_it_lacks),
+        cmocka_unit_test(a_reference_is_there_once_it_has_a_setting),
         cmocka_unit_test(a_whole_sweep_is_read),
         cmocka_unit_test(a_sweep_is_read_from_standard_input),
         cmocka_unit_test(malformed_sweeps_are_refused_with_their_place),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_twins.c: every pass agrees with its twin on every scene at every corner of its parameters; being listed is being tested. */
+/* test_twins.c: the twins of every pass agree on every scene at every corner: being listed is being tested. */
 #include "experiments/corners.h"
 #include "experiments/stage.h"
 #include "graph/twins.h"
@@ -9,7 +9,7 @@ static const char *const scenes[] = {"sphere", "plane", "block", "far", "empty",
 
 enum { W = 64, H = 48, CORNER_SIZE = 256 };
 
-/* ---- corners -------------------------------------------------------------------------------------------------------- */
+/* ---- corners ----------------------------------------------------------------------------------------------------- */
 
 static const char *const kinds[] = {"none", "one", "two", NULL};
 
@@ -34,8 +34,9 @@ static void corners_leave_the_defaults_one_parameter_at_a_time(void **state)
 {
     (void)state;
     static const ssfr_pass pass = {.name = "made_up", .params = made_up_rows, .params_size = sizeof(made_up)};
-    static const char *const expected[] = {"",          "flag=off", "choice=none", "choice=two",  "whole=2",  "whole=10",
-                                           "set=one",   "set=two",  "set=one,two", "real=1.1925", "real=4.77", "capped=1.5"};
+    static const char *const expected[] = {"",          "flag=off",  "choice=none", "choice=two",  "whole=2",
+                                           "whole=10",  "set=one",   "set=two",     "set=one,two", "real=1.1925",
+                                           "real=4.77", "capped=1.5"};
     char text[CORNER_SIZE];
     for (size_t i = 0; i < SSFR_COUNT(expected); i++) {
         assert_true(ssfr_corner_at(&pass, (int)i, text, sizeof text));
@@ -63,7 +64,7 @@ static void every_corner_is_a_setting_that_its_pass_takes(void **state)
     assert_true(n > 20);
 }
 
-/* ---- twins ----------------------------------------------------------------------------------------------------------- */
+/* ---- twins ------------------------------------------------------------------------------------------------------- */
 
 static ssfr_stage *stage_of(const char *scene)
 {
@@ -90,8 +91,8 @@ static int count_failures(const ssfr_pass *pass, const ssfr_stage *stage, const 
     }
     for (int i = 0; i < n; i++) {
         if (rows[i].ok) continue;
-        print_error("%s.%s on %s with \"%s\": largest difference %.3g, outside %.3g + %.3g |cpu| %.3g of the values, allowed %.3g, "
-                    "not finite %ld\n",
+        print_error("%s.%s on %s with \"%s\": largest difference %.3g, outside %.3g + %.3g |cpu| %.3g of the values, "
+                    "allowed %.3g, not finite %ld\n",
                     ssfr_pass_name(pass), rows[i].output, stage->name, corner, rows[i].max_abs, rows[i].tolerance.abs,
                     rows[i].tolerance.rel, rows[i].outliers, rows[i].tolerance.outliers, rows[i].n_nan);
         n_failed++;
