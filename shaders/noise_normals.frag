@@ -11,14 +11,27 @@ uniform vec2 u_c;
 
 layout(location = 0) out vec4 o_shading_normal;
 
+bool has_surface(ivec2 p)
+{
+    bool within = all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, textureSize(t_depth, 0)));
+    return within && is_surface(texelFetch(t_depth, p, 0).x);
+}
+
+// The noise's change a pixel along d, one-sided where a neighbour has no surface and so no noise.
+float slope(ivec2 p, ivec2 d)
+{
+    int before = int(has_surface(p - d)), after = int(has_surface(p + d));
+    float change = fetch(t_noise, p + after * d).x - fetch(t_noise, p - before * d).x;
+    return change / float(max(before + after, 1));
+}
+
 void main()
 {
     ivec2 p = ivec2(gl_FragCoord.xy);
     float z = fetch(t_depth, p).x;
     if (!is_surface(z)) discard;
-    float dx = fetch(t_noise, p + ivec2(1, 0)).x - fetch(t_noise, p - ivec2(1, 0)).x;
-    float dy = fetch(t_noise, p - ivec2(0, 1)).x - fetch(t_noise, p + ivec2(0, 1)).x; // upwards
     vec3 normal = fetch(t_normal, p).xyz;
-    // Waves of height 0 are the identity to the last bit: leaving this pass out must change nothing.
-    o_shading_normal = u_height == 0.0 ? vec4(normal, 0.0) : vec4(normalize(normal - vec3(u_height * vec2(dx, dy) / (2.0 * u_c * abs(z)), 0.0)), 0.0);
+    vec2 lean = u_height * vec2(slope(p, ivec2(1, 0)), slope(p, ivec2(0, -1))) / (u_c * abs(z)); // rows go down, y up
+    if (u_height > 0.0) normal = normalize(normal - vec3(lean, 0.0)); // height 0 is the identity to the last bit
+    o_shading_normal = vec4(normal, 0.0);
 }

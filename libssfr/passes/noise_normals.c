@@ -33,7 +33,7 @@ static bool needed(const ssfr_run *run)
 static void work(const ssfr_run *run, ssfr_node_report *report)
 {
     (void)run;
-    report->taps = 6;
+    report->taps = 10;
 }
 
 const ssfr_pass ssfr_noise_normals = {

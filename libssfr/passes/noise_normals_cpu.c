@@ -1,15 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/* noise_normals_cpu.c: normals leaning with the noise's central differences, per metre on a surface that faces the eye, in double. */
+/* noise_normals_cpu.c: normals leaning with the noise's slope on a surface that faces the eye, in double. */
 #include "passes/noise_normals.h"
+
+static bool has_surface(const ssfr_field *depth, int x, int y)
+{
+    return x >= 0 && y >= 0 && x < depth->w && y < depth->h && ssfr_is_surface(*ssfr_field_at(depth, x, y));
+}
+
+/* The noise's change a pixel along (dx, dy), one-sided where a neighbour has no surface and so no noise. */
+static double slope(const ssfr_run *run, int x, int y, int dx, int dy)
+{
+    const ssfr_field *noise = run->in[1];
+    const int before = has_surface(run->in[2], x - dx, y - dy), after = has_surface(run->in[2], x + dx, y + dy);
+    const double change = *ssfr_field_fetch(noise, x + after * dx, y + after * dy) -
+                          *ssfr_field_fetch(noise, x - before * dx, y - before * dy);
+    return change / ssfr_max_int(before + after, 1);
+}
 
 static void disturb(const ssfr_run *run, int x, int y, const double *normal, double z, double *out)
 {
     const ssfr_noise_normals_coeffs *c = run->coeffs;
-    const ssfr_field *noise = run->in[1];
-    const double dx = *ssfr_field_fetch(noise, x + 1, y) - *ssfr_field_fetch(noise, x - 1, y);
-    const double dy = *ssfr_field_fetch(noise, x, y - 1) - *ssfr_field_fetch(noise, x, y + 1); /* upwards */
-    out[0] = normal[0] - c->height * dx / (2 * c->c[0] * fabs(z));
-    out[1] = normal[1] - c->height * dy / (2 * c->c[1] * fabs(z));
+    out[0] = normal[0] - c->height * slope(run, x, y, 1, 0) / (c->c[0] * fabs(z));
+    out[1] = normal[1] - c->height * slope(run, x, y, 0, -1) / (c->c[1] * fabs(z)); /* rows go down, y up */
     out[2] = normal[2];
     if (c->height > 0) ssfr_normalize(out); /* height 0 is the identity to the last bit */
 }
