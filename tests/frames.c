@@ -133,7 +133,7 @@ const ssfr_node_report *test_graph_node(const ssfr_graph *graph, const char *nod
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-ssfr_field *test_field(int w, int h, int c, double value)
+ssfr_field *test_image(int w, int h, int c, double value)
 {
     ssfr_field *field = NULL;
     assert_int_equal(ssfr_field_create(&field, w, h, c), SSFR_OK);

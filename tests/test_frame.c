@@ -354,6 +354,27 @@ static void of_a_hosts_buffer_nothing_is_known(void **state)
     test_scene_destroy(&s);
 }
 
+static void fluid_that_is_given_may_be_anywhere(void **state)
+{
+    (void)state;
+    test_scene s;
+    ssfr_frame frame = {0};
+    create_heap(&s, 0, 0, 3);
+    prepare(&frame, &s.scene, 1, false);
+    assert_false(frame.facts.fluid);
+    ssfr_frame_assume_fluid(&frame, 2.385, 4);
+    ssfr_frame_assume_fluid(&frame, 1, 1);
+    assert_true(frame.facts.fluid && frame.facts.nearest == 2.385 && frame.facts.mean == 4);
+    assert_int_equal(frame.facts.n_tiles, 10 * 7);
+    assert_true(frame.facts.covered == 1);
+    assert_int_equal(frame.facts.n_particles, 0);
+    prepare(&frame, &s.scene, 1, false);
+    ssfr_frame_assume_fluid(&frame, 0, 0);
+    assert_true(frame.facts.nearest == s.scene.camera.near && frame.facts.mean == s.scene.camera.near);
+    ssfr_frame_finish(&frame);
+    test_scene_destroy(&s);
+}
+
 static void scene_fails(const ssfr_scene *scene, const char *text)
 {
     ssfr_frame frame = {0};
@@ -437,6 +458,7 @@ int main(void)
         cmocka_unit_test(the_block_for_shaders_is_relative_to_the_eye),
         cmocka_unit_test(memory_grows_only_with_the_scene),
         cmocka_unit_test(of_a_hosts_buffer_nothing_is_known),
+        cmocka_unit_test(fluid_that_is_given_may_be_anywhere),
         cmocka_unit_test(cameras_without_an_image_are_refused),
         cmocka_unit_test(solids_and_particles_out_of_range_are_refused),
     };

@@ -311,6 +311,11 @@ bool ssfr_gl_is_software(const ssfr_gl *gl)
     return gl->software;
 }
 
+bool ssfr_gl_is_host(const ssfr_gl *gl)
+{
+    return gl->source == SSFR_GL_CURRENT;
+}
+
 const ssfr_gl_limits *ssfr_gl_get_limits(const ssfr_gl *gl)
 {
     return &gl->limits;

@@ -25,6 +25,7 @@ typedef struct ssfr_gl_limits {
 } ssfr_gl_limits;
 
 const ssfr_gl_limits *ssfr_gl_get_limits(const ssfr_gl *gl);
+bool ssfr_gl_is_host(const ssfr_gl *gl); /* the host's context, whose objects ssfr can use */
 
 /* Makes the context current; a host's state is saved. Calls do not nest. */
 SSFR_MUST ssfr_result ssfr_gl_begin(ssfr_gl *gl);

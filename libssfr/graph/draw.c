@@ -4,9 +4,11 @@
 
 #include <epoxy/gl.h>
 
-void ssfr_draw_bind(int k, const ssfr_texture *texture)
+void ssfr_draw_bind(const ssfr_draw *draw, int k, const ssfr_texture *texture)
 {
     glBindTextureUnit((GLuint)k, texture->name);
+    /* A host's filter may ask for mipmaps that are not there, and then nothing is read. */
+    glBindSampler((GLuint)k, texture->borrowed ? draw->sampler : 0);
 }
 
 ssfr_result ssfr_draw_screen(const ssfr_run *run, unsigned program, int n, const ssfr_texture *const *targets)
@@ -40,7 +42,8 @@ static void draw_quads(int first, int count)
                                  4 * (first + done));
 }
 
-ssfr_result ssfr_draw_splats(const ssfr_run *run, unsigned program, ssfr_splat_primitive primitive, ssfr_splat_blend blend)
+ssfr_result ssfr_draw_splats(const ssfr_run *run, unsigned program, ssfr_splat_primitive primitive,
+                             ssfr_splat_blend blend)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_draw *draw = run->draw;
@@ -58,10 +61,22 @@ end:
     return result;
 }
 
-ssfr_result ssfr_draw_copy(const ssfr_texture *from, const ssfr_texture *to)
+/* A host's image may have another format, and one pixel is not a whole image: these are drawn. */
+ssfr_result ssfr_draw_copy(const ssfr_draw *draw, const ssfr_texture *from, const ssfr_texture *to)
 {
-    if (from->w != to->w || from->h != to->h || from->c != to->c)
-        return ssfr_fail(SSFR_ERR_VALUE, "copy of an image of %d x %d pixels onto one of %d x %d", from->w, from->h, to->w, to->h);
-    glCopyImageSubData(from->name, GL_TEXTURE_2D, 0, 0, 0, 0, to->name, GL_TEXTURE_2D, 0, 0, 0, 0, from->w, from->h, 1);
-    return SSFR_OK;
+    ssfr_result result = SSFR_OK;
+    const bool same_size = from->w == to->w && from->h == to->h;
+    if (!same_size && (from->w != 1 || from->h != 1))
+        return ssfr_fail(SSFR_ERR_VALUE, "image of %d x %d pixels for a texture of %d x %d", from->w, from->h, to->w,
+                         to->h);
+    if (same_size && !from->borrowed && !to->borrowed) {
+        glCopyImageSubData(from->name, GL_TEXTURE_2D, 0, 0, 0, 0, to->name, GL_TEXTURE_2D, 0, 0, 0, 0, to->w, to->h, 1);
+    } else {
+        SSFR_TRY(ssfr_gl_target(draw->gl, 1, &to));
+        ssfr_draw_bind(draw, 0, from);
+        glUseProgram(draw->copy);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+    }
+end:
+    return result;
 }

@@ -20,24 +20,28 @@ typedef struct ssfr_draw {
     bool whole_screen;    /* all pixels, not only tiles with fluid */
     int stride, first;    /* of the position buffer, in floats */
     unsigned quads;       /* index buffer: two triangles for each of SSFR_QUAD_BATCH quads */
+    unsigned copy;        /* program */
+    unsigned sampler;     /* for images of the host */
 } ssfr_draw;
 
 /* Runs a program over the pixels of the targets that may hold fluid, or all of them for a whole-screen pass. */
-SSFR_MUST ssfr_result ssfr_draw_screen(const ssfr_run *run, unsigned program, int n, const ssfr_texture *const *targets);
+SSFR_MUST ssfr_result ssfr_draw_screen(const ssfr_run *run, unsigned program, int n,
+                                       const ssfr_texture *const *targets);
 
 enum { SSFR_QUAD_BATCH = 16384 }; /* quads a draw: their vertices are numbered in 16 bits */
 
 typedef enum ssfr_splat_primitive { SSFR_POINTS, SSFR_QUADS } ssfr_splat_primitive;
 typedef enum ssfr_splat_blend { SSFR_BLEND_NEAREST, SSFR_BLEND_ADD } ssfr_splat_blend;
 
-/* Draws the visible particles into the outputs; the vertex shader fetches particle gl_VertexID (points) or gl_VertexID / 4. */
+/* Draws the visible particles into the outputs; the vertex shader fetches particle gl_VertexID (points) or
+ * gl_VertexID / 4. */
 SSFR_MUST ssfr_result ssfr_draw_splats(const ssfr_run *run, unsigned program, ssfr_splat_primitive primitive,
                                        ssfr_splat_blend blend);
 
-/* Copies one image onto another of the same size and kind. */
-SSFR_MUST ssfr_result ssfr_draw_copy(const ssfr_texture *from, const ssfr_texture *to);
+/* Copies one image onto another of the same size; an image of one pixel fills the other. */
+SSFR_MUST ssfr_result ssfr_draw_copy(const ssfr_draw *draw, const ssfr_texture *from, const ssfr_texture *to);
 
 /* Binds another texture in place of input k. */
-void ssfr_draw_bind(int k, const ssfr_texture *texture);
+void ssfr_draw_bind(const ssfr_draw *draw, int k, const ssfr_texture *texture);
 
 #endif

@@ -66,10 +66,11 @@ const char *ssfr_group_at(int i, const ssfr_param **rows)
 
 void ssfr_world_default(ssfr_world *world)
 {
-    for (size_t i = 0; i < SSFR_COUNT(groups); i++) ssfr_params_default(groups[i].rows, (char *)world + groups[i].offset);
+    for (size_t i = 0; i < SSFR_COUNT(groups); i++)
+        ssfr_params_default(groups[i].rows, (char *)world + groups[i].offset);
 }
 
-/* ---- the block that shaders read ---------------------------------------------------------------------------------- */
+/* ---- the block that shaders read --------------------------------------------------------------------------------- */
 
 static void set4(double out[4], double x, double y, double z, double w)
 {
@@ -115,7 +116,7 @@ static void fill_block(ssfr_block *block, const ssfr_scene *scene, const ssfr_wo
     fill_solids(block, scene);
 }
 
-/* ---- facts ----------------------------------------------------------------------------------------------------------- */
+/* ---- facts ------------------------------------------------------------------------------------------------------- */
 
 typedef struct bounds { /* of a packet, in eye space */
     double centre[3], half[3];
@@ -232,12 +233,30 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
         if (visible && !keep_all) mark_packet(frame, i, reach * frame->radius, lo, hi);
         if (visible || keep_all) add_packet(frame, i);
     }
+    facts->fluid = n_seen > 0;
     facts->nearest = fmax(nearest, frame->near);
     facts->mean = fmax(n_seen ? sum / (double)n_seen : 0, frame->near);
     list_tiles(facts);
 }
 
-/* ---- preparing ---------------------------------------------------------------------------------------------------------- */
+static void take_all_tiles(ssfr_facts *facts)
+{
+    memset(facts->mask, 1, (size_t)facts->tiles_x * (size_t)facts->tiles_y);
+    list_tiles(facts);
+}
+
+void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean)
+{
+    ssfr_facts *facts = &frame->facts;
+    if (!facts->fluid) {
+        facts->nearest = fmax(nearest, frame->near);
+        facts->mean = fmax(mean, frame->near);
+    }
+    facts->fluid = true;
+    take_all_tiles(facts);
+}
+
+/* ---- preparing --------------------------------------------------------------------------------------------------- */
 
 static ssfr_result reserve(ssfr_frame *frame, long *grew)
 {
@@ -264,7 +283,6 @@ static ssfr_result reserve(ssfr_frame *frame, long *grew)
 end:
     return result;
 }
-
 
 static bool all_finite(const double v[3])
 {
@@ -337,7 +355,8 @@ static void place_eye(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_wor
     frame->facts.tiles_x = (camera->w + SSFR_TILE - 1) / SSFR_TILE;
     frame->facts.tiles_y = (camera->h + SSFR_TILE - 1) / SSFR_TILE;
     for (int k = 0; k < 3; k++)
-        frame->rotation[0][k] = camera->right[k], frame->rotation[1][k] = camera->up[k], frame->rotation[2][k] = camera->back[k];
+        frame->rotation[0][k] = camera->right[k], frame->rotation[1][k] = camera->up[k],
+        frame->rotation[2][k] = camera->back[k];
     fill_block(&frame->block, scene, world);
 }
 
@@ -382,9 +401,9 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     frame->facts.n_particles = n;
     frame->facts.n_ranges = n > 0;
     if (n) frame->facts.first[0] = 0, frame->facts.count[0] = (int)n;
+    frame->facts.fluid = n > 0;
     frame->facts.nearest = frame->facts.mean = frame->near;
-    memset(frame->facts.mask, 1, (size_t)frame->facts.tiles_x * (size_t)frame->facts.tiles_y);
-    list_tiles(&frame->facts);
+    take_all_tiles(&frame->facts);
 end:
     return result;
 }

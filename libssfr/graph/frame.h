@@ -62,7 +62,8 @@ typedef struct ssfr_block {
 /* Counted once a frame, on the CPU, from packets: every number is a safe bound. */
 typedef struct ssfr_facts {
     size_t n_particles;   /* in packets that touch the view */
-    double nearest;       /* m, no fluid surface in view is nearer to the eye plane; >= the camera's near */
+    bool fluid;           /* false: nothing in view is fluid, for there is no particle and no depth of it is given */
+    double nearest;       /* m, no particle's surface in view is nearer to the eye plane; >= the camera's near */
     double mean;          /* m, mean distance of the particles in view from the eye plane; >= near */
     int n_ranges;         /* runs of consecutive visible particles */
     int *first, *count;   /* of each run, in particles */
@@ -92,13 +93,15 @@ void ssfr_world_default(ssfr_world *world);
 /* Rows and address of the i-th group; NULL past the end. */
 const char *ssfr_world_group(int i, const ssfr_param **rows, size_t *offset);
 
-/* Fills the frame from the scene and the world. reach: how far splats extend, in particle radii; keep_all: no culling, all tiles.
- * *grew counts allocations: none when the sizes are as before. */
-SSFR_MUST ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, double reach,
-                                         bool keep_all, long *grew);
+/* Fills the frame from the scene and the world. reach: how far splats extend, in particle radii; keep_all: no culling,
+ * all tiles. *grew counts allocations: none when the sizes are as before. */
+SSFR_MUST ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world,
+                                         double reach, bool keep_all, long *grew);
 /* The same for n particles in a host's buffer, relative to origin: nothing is known of where they are. */
-SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, size_t n,
-                                              const double origin[3], double radius, long *grew);
+SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world,
+                                              size_t n, const double origin[3], double radius, long *grew);
+/* There may be fluid in every tile. Where no particle in view says how far it is, these do (m). */
+void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean);
 void ssfr_frame_finish(ssfr_frame *frame);
 
 /* Eye-space position of particle i, m. */

@@ -7,7 +7,7 @@
 
 static const ssfr_param off_row = SSFR_PARAM_FLAG(node, off, 0, "leave this node out");
 
-/* ---- images ------------------------------------------------------------------------------------------------------- */
+/* ---- images ------------------------------------------------------------------------------------------------------ */
 
 ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c)
 {
@@ -29,7 +29,7 @@ void ssfr_image_finish(image *im)
     *im = (image){0};
 }
 
-/* ---- nodes and resources --------------------------------------------------------------------------------------------- */
+/* ---- nodes and resources ----------------------------------------------------------------------------------------- */
 
 static ssfr_result add_resource(ssfr_graph *graph, ssfr_slot_id slot, int writer, int *out)
 {
@@ -49,11 +49,25 @@ static ssfr_slot_id bound_slot(const ssfr_node *def, const ssfr_port *port)
     return slot;
 }
 
-static ssfr_result check_port(const node *n, const ssfr_port *port, ssfr_slot_id slot)
+static ssfr_result check_port(const node *n, const ssfr_port *port, ssfr_slot_id id)
 {
-    if (ssfr_slots[slot].channels != ssfr_slots[port->slot].channels)
+    const ssfr_slot *slot = &ssfr_slots[id], *own = &ssfr_slots[port->slot];
+    if (id == SSFR_NO_SLOT)
+        return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: port %s is bound to no slot", n->name, port->name);
+    if (slot->channels != own->channels)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: port %s takes %d channels, slot %s has %d", n->name, port->name,
-                         ssfr_slots[port->slot].channels, ssfr_slots[slot].name, ssfr_slots[slot].channels);
+                         own->channels, slot->name, slot->channels);
+    if (slot->neutral != own->neutral)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: port %s is %g where there is nothing, slot %s %g", n->name, port->name,
+                         own->neutral, slot->name, slot->neutral);
+    return SSFR_OK;
+}
+
+static ssfr_result check_bindings(const node *n)
+{
+    for (const ssfr_binding *b = n->def->ports; b->port; b++)
+        if (ssfr_port_find(n->pass->inputs, b->port) < 0 && ssfr_port_find(n->pass->outputs, b->port) < 0)
+            return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: pass %s has no port %s", n->name, n->pass->name, b->port);
     return SSFR_OK;
 }
 
@@ -61,6 +75,7 @@ static ssfr_result check_port(const node *n, const ssfr_port *port, ssfr_slot_id
 static ssfr_result connect(ssfr_graph *graph, node *n, int index)
 {
     ssfr_result result = SSFR_OK;
+    SSFR_TRY(check_bindings(n));
     for (const ssfr_port *port = n->pass->inputs; port->name; port++) {
         const ssfr_slot_id slot = bound_slot(n->def, port);
         SSFR_TRY(check_port(n, port, slot));
@@ -93,6 +108,9 @@ static ssfr_result add_node(ssfr_graph *graph, const ssfr_node *def)
     node *n = &graph->nodes[index];
     const ssfr_pass *pass = ssfr_pass_find(def->pass ? def->pass : def->name);
     if (!pass) return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no pass %s", def->name, def->pass ? def->pass : def->name);
+    for (int i = 0; i < index; i++)
+        if (strcmp(graph->nodes[i].name, def->name) == 0)
+            return ssfr_fail(SSFR_ERR_VALUE, "%s: two nodes are named %s", graph->pipeline->name, def->name);
     *n = (node){.def = def, .pass = pass};
     graph->n_nodes++;
     snprintf(n->name, sizeof n->name, "%s", def->name);
@@ -156,22 +174,39 @@ end:
     return result;
 }
 
-static ssfr_result make_gl(ssfr_graph *graph)
+static void make_sampler(ssfr_graph *graph)
+{
+    glCreateSamplers(1, &graph->sampler);
+    glSamplerParameteri(graph->sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glSamplerParameteri(graph->sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+}
+
+static ssfr_result make_objects(ssfr_graph *graph)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_gl_begin(graph->gl));
-    for (int i = 0; i < graph->n_nodes && result == SSFR_OK; i++) result = get_programs(graph, &graph->nodes[i]);
-    if (result == SSFR_OK) result = make_neutrals(graph);
-    if (result == SSFR_OK) result = make_quads(graph);
-    if (result == SSFR_OK) result = ssfr_timers_create(&graph->timers, SSFR_MAX_NODES);
-    if (result == SSFR_OK)
-        result = ssfr_buffer_create(graph->gl, &graph->block, sizeof(ssfr_block) / sizeof(double) * sizeof(float), NULL, true);
-    result = ssfr_gl_end(graph->gl, result);
+    const size_t block = sizeof(ssfr_block) / sizeof(double) * sizeof(float);
+    for (int i = 0; i < graph->n_nodes; i++) SSFR_TRY(get_programs(graph, &graph->nodes[i]));
+    SSFR_TRY(ssfr_program_get(graph->gl, &graph->copy, "fill.vert", "copy.frag", NULL));
+    SSFR_TRY(make_neutrals(graph));
+    SSFR_TRY(make_quads(graph));
+    SSFR_TRY(ssfr_timers_create(&graph->timers, SSFR_MAX_NODES));
+    SSFR_TRY(ssfr_buffer_create(graph->gl, &graph->block, block, NULL, true));
+    make_sampler(graph);
 end:
     return result;
 }
 
-/* ---- keys: "node.param", "group.param", "node.off" ---------------------------------------------------------------------- */
+static ssfr_result make_gl(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_gl_begin(graph->gl));
+    graph->has_objects = true;
+    result = ssfr_gl_end(graph->gl, make_objects(graph));
+end:
+    return result;
+}
+
+/* ---- keys: "node.param", "group.param", "node.off" --------------------------------------------------------------- */
 
 static ssfr_result add_key(ssfr_graph *graph, int capacity, const char *head, const char *name)
 {
@@ -278,23 +313,36 @@ ssfr_result ssfr_graph_get(const ssfr_graph *graph, const char *key, char *text,
     return SSFR_OK;
 }
 
-/* ---- creating and destroying ------------------------------------------------------------------------------------------ */
+/* ---- creating and destroying ------------------------------------------------------------------------------------- */
+
+static ssfr_result add_nodes(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_pipeline *pipeline = graph->pipeline;
+    for (int i = 0; i < SSFR_MAX_NODES && pipeline->nodes[i].name; i++) SSFR_TRY(add_node(graph, &pipeline->nodes[i]));
+    const int last = graph->last[pipeline->result];
+    if (last >= 0 && graph->resources[last].writer >= 0) graph->resources[last].asked = true;
+    else result = ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no node writes its result, %s", pipeline->name,
+                            ssfr_slots[pipeline->result].name);
+end:
+    return result;
+}
 
 ssfr_result ssfr_graph_create(ssfr_graph **out, const ssfr_pipeline *pipeline, ssfr_gl *gl)
 {
     ssfr_result result = SSFR_OK;
     ssfr_graph *graph = NULL;
     *out = NULL;
+    if (!pipeline) return ssfr_fail(SSFR_ERR_UNKNOWN, "no pipeline to make a graph of");
     SSFR_TRY(ssfr_alloc(&graph, 1, sizeof *graph, "a graph"));
     graph->pipeline = pipeline;
     graph->gl = gl;
     ssfr_world_default(&graph->world);
     for (int i = 0; i < SSFR_N_SLOTS; i++) graph->last[i] = -1;
-    for (const ssfr_node *def = pipeline->nodes; def->name; def++) SSFR_TRY(add_node(graph, def));
+    SSFR_TRY(add_nodes(graph));
     SSFR_TRY(list_keys(graph));
     if (gl) SSFR_TRY(make_gl(graph));
     else SSFR_TRY(make_neutrals(graph));
-    graph->resources[graph->last[pipeline->result]].asked = true;
     graph->report.nodes = graph->reports;
     *out = graph;
     graph = NULL;
@@ -321,8 +369,10 @@ end:
 
 static void destroy_gl(ssfr_graph *graph)
 {
-    unsigned *const buffers[] = {&graph->position, &graph->ids, &graph->offsets, &graph->tiles, &graph->block, &graph->quads};
+    unsigned *const buffers[] = {&graph->position, &graph->ids,   &graph->offsets, &graph->tiles,
+                                 &graph->block,    &graph->quads, &graph->samples};
     for (size_t i = 0; i < SSFR_COUNT(buffers); i++) ssfr_buffer_destroy(buffers[i]);
+    if (graph->sampler) glDeleteSamplers(1, &graph->sampler);
     ssfr_timers_finish(&graph->timers);
 }
 
@@ -341,13 +391,15 @@ void ssfr_graph_destroy(ssfr_graph **graph)
 {
     ssfr_graph *g = *graph;
     if (!g) return;
-    const bool current = g->gl && ssfr_gl_begin(g->gl) == SSFR_OK;
-    destroy_images(g);
-    if (current) {
+    if (!g->gl) {
+        destroy_images(g);
+    } else if (g->has_objects && ssfr_gl_begin(g->gl) == SSFR_OK) {
+        destroy_images(g);
         destroy_gl(g);
         const ssfr_result ended = ssfr_gl_end(g->gl, SSFR_OK);
         (void)ended; /* logged; there is nobody to tell */
     }
+    free(g->timers.queries); /* still there when the context is gone */
     for (int i = 0; i < g->n_nodes; i++) free(g->nodes[i].params), free(g->nodes[i].coeffs);
     for (int i = 0; i < g->n_keys && g->keys; i++) free(g->keys[i]);
     free(g->keys);
@@ -355,144 +407,6 @@ void ssfr_graph_destroy(ssfr_graph **graph)
     free(g->single);
     free(g);
     *graph = NULL;
-}
-
-/* ---- what is given and what is wanted ------------------------------------------------------------------------------------ */
-
-static int port_resource(const node *n, const char *name)
-{
-    int found = -1;
-    for (int k = 0; k < n->n_in; k++)
-        if (strcmp(n->pass->inputs[k].name, name) == 0) found = n->in[k];
-    for (int k = 0; k < n->n_out; k++)
-        if (strcmp(n->pass->outputs[k].name, name) == 0) found = n->out[k];
-    return found;
-}
-
-static ssfr_result find_resource(const ssfr_graph *graph, const char *name, int *out)
-{
-    const ssfr_slot_id slot = ssfr_slot_find(name);
-    *out = slot ? graph->last[slot] : -1;
-    if (*out < 0 && graph->single) *out = port_resource(&graph->nodes[0], name);
-    if (*out < 0)
-        return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: pipeline %s has no such image", name, graph->pipeline->name);
-    return SSFR_OK;
-}
-
-ssfr_result ssfr_graph_want(ssfr_graph *graph, const char *slot)
-{
-    int index;
-    const ssfr_result result = find_resource(graph, slot, &index);
-    if (result == SSFR_OK) graph->resources[index].asked = true;
-    return result;
-}
-
-void ssfr_graph_want_all(ssfr_graph *graph, bool all)
-{
-    graph->want_all = all;
-}
-
-ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_field *field)
-{
-    ssfr_result result = SSFR_OK;
-    int index;
-    SSFR_TRY(find_resource(graph, slot, &index));
-    resource *r = &graph->resources[index];
-    if (field->c != ssfr_slots[r->slot].channels) {
-        result = ssfr_fail(SSFR_ERR_VALUE, "%s: %d channels given, it has %d", slot, field->c, ssfr_slots[r->slot].channels);
-        goto end;
-    }
-    if (graph->gl) {
-        SSFR_TRY(ssfr_gl_begin(graph->gl));
-        result = ssfr_image_ensure(graph, &r->given, field->w, field->h, field->c);
-        if (result == SSFR_OK) result = ssfr_texture_write(&r->given.texture, field);
-        result = ssfr_gl_end(graph->gl, result);
-    } else {
-        SSFR_TRY(ssfr_image_ensure(graph, &r->given, field->w, field->h, field->c));
-        memcpy(r->given.field->data, field->data, (size_t)field->w * (size_t)field->h * (size_t)field->c * sizeof(double));
-    }
-    if (result == SSFR_OK) r->is_given = true;
-end:
-    return result;
-}
-
-/* The host's texture as ssfr sees it; the context must be current. */
-static ssfr_result borrow(const ssfr_graph *graph, const char *what, unsigned name, int channels, ssfr_texture *out)
-{
-    int w = 0, h = 0;
-    if (!graph->gl) return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: a texture needs a graph that runs on the GPU", what);
-    if (!glIsTexture(name)) return ssfr_fail(SSFR_ERR_VALUE, "%s: %u is not a texture", what, name);
-    glGetTextureLevelParameteriv(name, 0, GL_TEXTURE_WIDTH, &w);
-    glGetTextureLevelParameteriv(name, 0, GL_TEXTURE_HEIGHT, &h);
-    if (w < 1 || h < 1) return ssfr_fail(SSFR_ERR_VALUE, "%s: texture %u has no storage", what, name);
-    *out = (ssfr_texture){.name = name, .w = w, .h = h, .c = channels, .borrowed = true};
-    return SSFR_OK;
-}
-
-ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsigned texture)
-{
-    ssfr_result result = SSFR_OK;
-    int index;
-    ssfr_texture host;
-    SSFR_TRY(find_resource(graph, slot, &index));
-    resource *r = &graph->resources[index];
-    SSFR_TRY(borrow(graph, slot, texture, ssfr_slots[r->slot].channels, &host));
-    ssfr_image_finish(&r->given);
-    r->given = (image){.w = host.w, .h = host.h, .c = host.c, .texture = host};
-    r->is_given = true;
-end:
-    return result;
-}
-
-ssfr_result ssfr_graph_export_texture(ssfr_graph *graph, unsigned texture)
-{
-    return borrow(graph, "export", texture, ssfr_slots[graph->pipeline->result].channels, &graph->exported);
-}
-
-ssfr_result ssfr_graph_import_buffer(ssfr_graph *graph, unsigned buffer, size_t n, size_t stride, size_t first,
-                                     const double origin[3], double radius)
-{
-    if (!graph->gl || !glIsBuffer(buffer))
-        return ssfr_fail(SSFR_ERR_VALUE, "particles: %u is not a buffer of a graph on the GPU", buffer);
-    if (stride < 3 || !(radius > 0 && isfinite(radius)) || n > INT32_MAX / 8)
-        return ssfr_fail(SSFR_ERR_VALUE, "particles: %zu of stride %zu floats and radius %g m", n, stride, radius);
-    graph->host = (host_buffer){.buffer = buffer, .n = n, .stride = stride, .first = first, .radius = radius};
-    memcpy(graph->host.origin, origin, sizeof graph->host.origin);
-    return SSFR_OK;
-}
-
-const char *ssfr_graph_slot_at(const ssfr_graph *graph, int i)
-{
-    const char *found = NULL;
-    for (int slot = 1; slot < SSFR_N_SLOTS && !found; slot++) {
-        const int last = graph->last[slot];
-        if (last >= 0 && graph->resources[last].writer >= 0 && i-- == 0) found = ssfr_slots[slot].name;
-    }
-    return found;
-}
-
-ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_field **out)
-{
-    ssfr_result result = SSFR_OK;
-    int index;
-    *out = NULL;
-    SSFR_TRY(find_resource(graph, slot, &index));
-    if (!graph->ran) return ssfr_fail(SSFR_ERR_VALUE, "%s: no frame has been run", slot);
-    const image *im = graph->resources[index].image;
-    if (!graph->gl) {
-        SSFR_TRY(ssfr_field_copy(out, im->field));
-    } else {
-        SSFR_TRY(ssfr_gl_begin(graph->gl));
-        result = ssfr_texture_read(&im->texture, out);
-        result = ssfr_gl_end(graph->gl, result);
-    }
-end:
-    return result;
-}
-
-const ssfr_report *ssfr_graph_report(const ssfr_graph *graph)
-{
-    return &graph->report;
 }
 
 double ssfr_graph_reach(const ssfr_graph *graph)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* internal.h: the graph's own structures, shared by graph.c (what it is), plan.c (what to leave out) and run.c (doing it).
+/* internal.h: the graph's own structures, shared by graph.c (what it is), exchange.c (what it is given and asked for),
+ * plan.c (what to leave out) and run.c (doing it).
  *
  *      nodes    in execution order, each with its pass, parameters and the resources it reads and writes
  *      resource one version of a slot: written by one node, or from outside
@@ -25,6 +26,7 @@ typedef struct resource {
     bool asked;     /* the caller wants it */
     bool is_given;  /* the caller brings it */
     image own, given;
+    double nearest, mean; /* m, of a given depth's surface; 0: not known */
     /* of the frame being run */
     bool wanted;
     int divisor;    /* of the frame's resolution */
@@ -40,6 +42,7 @@ typedef struct node {
     int off;
     int n_in, n_out;
     int in[SSFR_MAX_PORTS], out[SSFR_MAX_OUTPUTS]; /* resources */
+    int divisor_out[SSFR_MAX_OUTPUTS];             /* of what the node itself writes */
     image scratch[SSFR_MAX_SCRATCH];
     unsigned programs[SSFR_MAX_PROGRAMS];
     int locations[SSFR_MAX_PROGRAMS][SSFR_MAX_UNIFORMS];
@@ -68,8 +71,11 @@ struct ssfr_graph {
     ssfr_frame frame;
     host_buffer host;
     ssfr_texture exported;
+    bool has_objects; /* of GL */
     /* GL buffers */
-    unsigned position, ids, offsets, tiles, block, quads;
+    unsigned position, ids, offsets, tiles, block, quads, samples;
+    unsigned copy;    /* program */
+    unsigned sampler; /* for images of the host, whatever their own filters are */
     size_t cap_offsets, cap_tiles; /* entries */
     uint64_t serial, id_serial;    /* of the particles that the buffers hold */
     ssfr_timers timers;
@@ -79,8 +85,9 @@ struct ssfr_graph {
     ssfr_node_report reports[SSFR_MAX_NODES];
 };
 
-/* Decides what runs: sets each node's status and each resource's image source. The frame's facts must stand. */
-void ssfr_plan(ssfr_graph *graph, bool keep_all);
+/* Decides what runs: sets each node's status and each resource's image source. The frame's facts must stand. Fails when
+ * what is given does not fit the frame, or when a pass would read an image of another resolution than it works at. */
+SSFR_MUST ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all);
 
 /* An image of this size and kind; remade only when it differs. */
 SSFR_MUST ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c);

@@ -16,6 +16,11 @@ ssfr_slot_id ssfr_slot_find(const char *name)
     return found;
 }
 
+bool ssfr_slot_is_fluid(ssfr_slot_id slot)
+{
+    return fabs(ssfr_slots[slot].neutral) == SSFR_EMPTY && slot != SSFR_SLOT_scene_depth;
+}
+
 const char *ssfr_slot_channels(const char *slot)
 {
     const ssfr_slot_id id = ssfr_slot_find(slot);

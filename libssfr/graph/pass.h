@@ -31,17 +31,21 @@ typedef struct ssfr_slot {
 
 extern const ssfr_slot ssfr_slots[SSFR_N_SLOTS];
 ssfr_slot_id ssfr_slot_find(const char *name); /* SSFR_NO_SLOT when there is none */
+bool ssfr_slot_is_fluid(ssfr_slot_id slot);    /* a depth that says where fluid is */
 
 /* A port carries images like those of `slot` (channels, neutral value), which is also its binding by default. */
 typedef struct ssfr_port {
     const char *name; /* NULL ends a list; the sampler is t_<name> */
     ssfr_slot_id slot;
-    const char *like; /* outputs: the input whose size it has; NULL for the frame's */
-    const char *from; /* outputs: the input that takes its place when the node is left out; NULL for the neutral value */
-    const char *over; /* outputs: the input of the same size that the output begins as, to be drawn over; NULL: the neutral value */
+    bool any_size;    /* inputs: may be of another resolution than the outputs */
+    /* outputs: */
+    const char *like; /* the input whose size it has; NULL for the frame's */
+    const char *from; /* the input that takes its place when the node is left out; NULL for the neutral value */
+    const char *over; /* the input that the output begins as, to be drawn over; NULL: the neutral value */
 } ssfr_port;
 
-/* A coefficient that the shaders see as a uniform: `n` doubles at `offset` of the coefficients become float, vec2.. or int. */
+/* A coefficient that the shaders see as a uniform: `n` doubles at `offset` of the coefficients become float, vec2..
+ * or int. */
 typedef struct ssfr_uniform {
     const char *name; /* NULL ends a list */
     size_t offset;

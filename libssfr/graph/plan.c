@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* plan.c: one walk forward for resolutions, one backward for what is wanted. */
+/* plan.c: one walk forward for resolutions, one backward for what is wanted, one forward for what fits. */
 #include "graph/internal.h"
 
 int ssfr_port_find(const ssfr_port *ports, const char *name)
@@ -10,22 +10,59 @@ int ssfr_port_find(const ssfr_port *ports, const char *name)
     return found;
 }
 
+/* ---- resolutions ------------------------------------------------------------------------------------------------- */
+
+static bool is_one_pixel(const image *im)
+{
+    return im->w == 1 && im->h == 1;
+}
+
+/* A given image may be of low resolution, by a power of two that divides the tiles. One pixel serves the whole frame,
+ * but not as the fluid's depth, which may be the image that is scaled. 0: it does not fit. */
+static int given_divisor(const ssfr_graph *graph, const resource *r)
+{
+    const int w = graph->frame.w, h = graph->frame.h;
+    int divisor = 0;
+    if (is_one_pixel(&r->given) && !ssfr_slot_is_fluid(r->slot)) return 1;
+    for (int d = SSFR_TILE; d >= 1; d /= 2)
+        if (r->given.w == (w + d - 1) / d && r->given.h == (h + d - 1) / d) divisor = d;
+    return divisor;
+}
+
+static ssfr_result start(ssfr_graph *graph, resource *r)
+{
+    r->wanted = r->asked || graph->want_all;
+    r->from = -1;
+    r->divisor = r->is_given ? given_divisor(graph, r) : 1;
+    if (!r->divisor)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: %d x %d pixels given, the frame has %d x %d", ssfr_slots[r->slot].name,
+                         r->given.w, r->given.h, graph->frame.w, graph->frame.h);
+    return SSFR_OK;
+}
+
+static int divisor_of_input(const ssfr_graph *graph, const node *n, const char *port)
+{
+    const int k = ssfr_port_find(n->pass->inputs, port);
+    return k >= 0 ? graph->resources[n->in[k]].divisor : 1;
+}
+
 static void set_divisors(ssfr_graph *graph, node *n)
 {
     const ssfr_pass *pass = n->pass;
     n->run.params = n->params, n->run.coeffs = n->coeffs, n->run.frame = &graph->frame;
     n->run.divisor_in = n->n_in ? graph->resources[n->in[0]].divisor : 1;
     for (int k = 0; k < n->n_out; k++) {
-        const int like = ssfr_port_find(pass->inputs, pass->outputs[k].like), from = ssfr_port_find(pass->inputs, pass->outputs[k].from);
-        int divisor = like >= 0 ? graph->resources[n->in[like]].divisor : 1;
-        if (n->off) divisor = from >= 0 ? graph->resources[n->in[from]].divisor : 1;
-        else if (pass->shrink) divisor *= pass->shrink(n->params);
-        if (!graph->resources[n->out[k]].is_given) graph->resources[n->out[k]].divisor = divisor;
+        resource *out = &graph->resources[n->out[k]];
+        n->divisor_out[k] = divisor_of_input(graph, n, n->off ? pass->outputs[k].from : pass->outputs[k].like);
+        if (pass->shrink && !n->off) n->divisor_out[k] *= pass->shrink(n->params);
+        if (!out->is_given) out->divisor = n->divisor_out[k];
     }
-    n->run.divisor = n->n_out ? graph->resources[n->out[0]].divisor : 1;
+    n->run.divisor = n->n_out ? n->divisor_out[0] : 1;
     n->run.w = (graph->frame.w + n->run.divisor - 1) / n->run.divisor;
     n->run.h = (graph->frame.h + n->run.divisor - 1) / n->run.divisor;
 }
+
+/* ---- what runs --------------------------------------------------------------------------------------------------- */
 
 /* The outputs of a node that does not run: what it read, or the neutral value. */
 static void stand_in(ssfr_graph *graph, const node *n)
@@ -56,30 +93,9 @@ static ssfr_node_status decide(const ssfr_graph *graph, const node *n, bool keep
     return SSFR_RAN;
 }
 
-static const image *source(const ssfr_graph *graph, int index)
+/* Last node first, so that each is decided when all its readers are. */
+static void decide_all(ssfr_graph *graph, bool keep_all)
 {
-    const resource *r = &graph->resources[index];
-    while (!r->is_given && r->from >= 0) r = &graph->resources[r->from];
-    if (r->is_given) return &r->given;
-    if (r->writer >= 0 && graph->reports[r->writer].status == SSFR_RAN) return &r->own;
-    return &graph->neutral[r->slot];
-}
-
-/* A given image may be of low resolution. */
-static int given_divisor(const ssfr_graph *graph, const resource *r)
-{
-    return r->is_given && r->given.w < graph->frame.w ? (graph->frame.w + r->given.w - 1) / r->given.w : 1;
-}
-
-void ssfr_plan(ssfr_graph *graph, bool keep_all)
-{
-    for (int i = 0; i < graph->n_resources; i++) {
-        resource *r = &graph->resources[i];
-        r->wanted = r->asked || graph->want_all;
-        r->from = -1;
-        r->divisor = given_divisor(graph, r);
-    }
-    for (int i = 0; i < graph->n_nodes; i++) set_divisors(graph, &graph->nodes[i]);
     for (int i = graph->n_nodes - 1; i >= 0; i--) {
         const node *n = &graph->nodes[i];
         ssfr_node_report *report = &graph->reports[i];
@@ -91,5 +107,48 @@ void ssfr_plan(ssfr_graph *graph, bool keep_all)
             stand_in(graph, n);
         }
     }
-    for (int i = 0; i < graph->n_resources; i++) graph->resources[i].image = source(graph, i);
+}
+
+/* ---- what is read ------------------------------------------------------------------------------------------------ */
+
+/* The image of a resource; *divisor is its resolution, 0 for one pixel that serves all. */
+static const image *source(const ssfr_graph *graph, int index, int *divisor)
+{
+    const resource *r = &graph->resources[index];
+    while (!r->is_given && r->from >= 0) r = &graph->resources[r->from];
+    const bool ran = r->writer >= 0 && graph->reports[r->writer].status == SSFR_RAN;
+    const image *im = r->is_given ? &r->given : ran ? &r->own : &graph->neutral[r->slot];
+    *divisor = ran && !r->is_given ? r->divisor : is_one_pixel(im) ? 0 : r->divisor;
+    return im;
+}
+
+/* A pass reads its inputs pixel by pixel: they have its own resolution, unless it says that it scales. */
+static ssfr_result check_inputs(const ssfr_graph *graph, const node *n)
+{
+    for (int k = 0; k < n->n_in; k++) {
+        int divisor;
+        source(graph, n->in[k], &divisor);
+        if (divisor && divisor != n->run.divisor && !n->pass->inputs[k].any_size)
+            return ssfr_fail(SSFR_ERR_VALUE, "%s: %s has 1/%d of the frame's resolution, the pass works at 1/%d",
+                             n->name, n->pass->inputs[k].name, divisor, n->run.divisor);
+    }
+    return SSFR_OK;
+}
+
+ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < graph->n_resources; i++) SSFR_TRY(start(graph, &graph->resources[i]));
+    for (int i = 0; i < graph->n_nodes; i++) set_divisors(graph, &graph->nodes[i]);
+    decide_all(graph, keep_all);
+    for (int i = 0; i < graph->n_resources; i++) {
+        int divisor;
+        graph->resources[i].image = source(graph, i, &divisor);
+    }
+    for (int i = 0; i < graph->n_nodes; i++) {
+        const ssfr_node_status status = graph->reports[i].status;
+        if (status == SSFR_RAN || status == SSFR_NEEDLESS) SSFR_TRY(check_inputs(graph, &graph->nodes[i]));
+    }
+end:
+    return result;
 }

@@ -4,7 +4,7 @@
 
 #include <epoxy/gl.h>
 
-/* ---- what the GPU needs once a frame -------------------------------------------------------------------------------- */
+/* ---- what the GPU needs once a frame ----------------------------------------------------------------------------- */
 
 static ssfr_result refill(ssfr_graph *graph, unsigned *buffer, size_t size, const void *data)
 {
@@ -83,22 +83,25 @@ end:
     return result;
 }
 
-/* ---- images ------------------------------------------------------------------------------------------------------------ */
+/* ---- images ------------------------------------------------------------------------------------------------------ */
 
-static bool is_export(const ssfr_graph *graph, int index)
+/* Whether a node can draw right into the host's texture: not when it reads it, nor when it is of another size. */
+static bool is_export(const ssfr_graph *graph, const node *n, int index, int w, int h)
 {
-    return graph->exported.name && index == graph->last[graph->pipeline->result] && graph->exported.w == graph->frame.w &&
-           graph->exported.h == graph->frame.h;
+    const ssfr_texture *to = &graph->exported;
+    bool ok = to->name && index == graph->last[graph->pipeline->result] && to->w == w && to->h == h;
+    for (int k = 0; k < n->n_in; k++) ok &= graph->resources[n->in[k]].image->texture.name != to->name;
+    return ok;
 }
 
-static ssfr_result ensure_output(ssfr_graph *graph, const node *n, int index)
+static ssfr_result ensure_output(ssfr_graph *graph, const node *n, int k)
 {
-    resource *r = &graph->resources[index];
-    const int c = ssfr_slots[r->slot].channels, w = (graph->frame.w + r->divisor - 1) / r->divisor;
-    const int h = (graph->frame.h + r->divisor - 1) / r->divisor;
-    (void)n;
-    if (!is_export(graph, index)) return ssfr_image_ensure(graph, &r->own, w, h, c);
-    if (r->own.texture.name != graph->exported.name) ssfr_image_finish(&r->own);
+    resource *r = &graph->resources[n->out[k]];
+    const int c = ssfr_slots[r->slot].channels, d = n->divisor_out[k];
+    const int w = (graph->frame.w + d - 1) / d, h = (graph->frame.h + d - 1) / d;
+    const bool exported = graph->gl && is_export(graph, n, n->out[k], w, h);
+    if (r->own.texture.borrowed || exported) ssfr_image_finish(&r->own);
+    if (!exported) return ssfr_image_ensure(graph, &r->own, w, h, c);
     r->own = (image){.w = w, .h = h, .c = c, .texture = graph->exported};
     return SSFR_OK;
 }
@@ -106,7 +109,7 @@ static ssfr_result ensure_output(ssfr_graph *graph, const node *n, int index)
 static ssfr_result ensure_images(ssfr_graph *graph, node *n)
 {
     ssfr_result result = SSFR_OK;
-    for (int k = 0; k < n->n_out; k++) SSFR_TRY(ensure_output(graph, n, n->out[k]));
+    for (int k = 0; k < n->n_out; k++) SSFR_TRY(ensure_output(graph, n, k));
     for (int k = 0; k < n->pass->n_scratch; k++)
         SSFR_TRY(ssfr_image_ensure(graph, &n->scratch[k], n->run.w, n->run.h,
                                    ssfr_slots[graph->resources[n->out[0]].slot].channels));
@@ -114,9 +117,10 @@ end:
     return result;
 }
 
-/* ---- running a node ------------------------------------------------------------------------------------------------------ */
+/* ---- running a node ---------------------------------------------------------------------------------------------- */
 
-/* What an output begins as, where the pass does not write all of it: an input to be drawn over, or the neutral value. */
+/* What an output begins as, where the pass does not write all of it: an input to be drawn over, or the neutral
+ * value. */
 static const image *begins_as(const ssfr_graph *graph, const node *n, int k)
 {
     const int over = ssfr_port_find(n->pass->inputs, n->pass->outputs[k].over);
@@ -145,10 +149,13 @@ static void run_on_cpu(ssfr_graph *graph, node *n)
     n->pass->cpu_run(run);
 }
 
-static ssfr_result begin_texture(const ssfr_texture *texture, const image *as, double neutral)
+static ssfr_result begin_texture(const ssfr_graph *graph, const node *n, int k, const ssfr_texture *texture)
 {
-    const float v = (float)neutral;
-    if (as->w != 1 || as->h != 1) return ssfr_draw_copy(&as->texture, texture);
+    const ssfr_slot_id slot = graph->resources[n->out[k]].slot;
+    const image *as = begins_as(graph, n, k);
+    const float v = (float)ssfr_slots[slot].neutral;
+    if (n->pass->whole_screen) return SSFR_OK;
+    if (as != &graph->neutral[slot]) return ssfr_draw_copy(&n->draw, &as->texture, texture);
     ssfr_texture_clear(texture, (const float[4]){v, v, v, v});
     return SSFR_OK;
 }
@@ -177,7 +184,8 @@ static void set_uniforms(const node *n, int program)
 static void bind_shared(const ssfr_graph *graph)
 {
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, graph->block);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_POSITION, graph->host.buffer ? graph->host.buffer : graph->position);
+    const unsigned position = graph->host.buffer ? graph->host.buffer : graph->position;
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_POSITION, position);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_OFFSET, graph->offsets);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_TILES, graph->tiles);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_ID, graph->ids ? graph->ids : graph->offsets);
@@ -188,22 +196,20 @@ static ssfr_result fill_draw(ssfr_graph *graph, node *n)
     ssfr_result result = SSFR_OK;
     ssfr_draw *draw = &n->draw;
     *draw = (ssfr_draw){.gl = graph->gl, .n_out = n->n_out, .programs = n->programs,
-                        .whole_screen = n->pass->whole_screen, .stride = 3, .quads = graph->quads};
+                        .whole_screen = n->pass->whole_screen, .stride = 3, .quads = graph->quads,
+                        .copy = graph->copy, .sampler = graph->sampler};
     if (graph->host.buffer) draw->stride = (int)graph->host.stride, draw->first = (int)graph->host.first;
-    for (int k = 0; k < n->n_in; k++) {
-        draw->in[k] = &graph->resources[n->in[k]].image->texture;
-        ssfr_draw_bind(k, draw->in[k]);
-    }
     for (int k = 0; k < n->n_out; k++) {
-        const resource *r = &graph->resources[n->out[k]];
-        draw->out[k] = &r->own.texture;
-        if (n->pass->whole_screen) continue;
-        SSFR_TRY(begin_texture(draw->out[k], begins_as(graph, n, k), ssfr_slots[r->slot].neutral));
+        draw->out[k] = &graph->resources[n->out[k]].own.texture;
+        SSFR_TRY(begin_texture(graph, n, k, draw->out[k]));
     }
     for (int k = 0; k < n->pass->n_scratch; k++) {
         draw->scratch[k] = &n->scratch[k].texture;
-        if (n->pass->whole_screen) continue;
-        SSFR_TRY(begin_texture(draw->scratch[k], begins_as(graph, n, 0), ssfr_slots[graph->resources[n->out[0]].slot].neutral));
+        SSFR_TRY(begin_texture(graph, n, 0, draw->scratch[k]));
+    }
+    for (int k = 0; k < n->n_in; k++) {
+        draw->in[k] = &graph->resources[n->in[k]].image->texture;
+        ssfr_draw_bind(draw, k, draw->in[k]);
     }
     n->run.draw = draw;
 end:
@@ -242,7 +248,8 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
         const resource *r = &graph->resources[n->in[k]];
         report->bytes += 4.0 * ssfr_slots[r->slot].channels * px * ssfr_square((double)n->run.divisor / r->divisor);
     }
-    for (int k = 0; k < n->n_out; k++) report->bytes += 4.0 * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
+    for (int k = 0; k < n->n_out; k++)
+        report->bytes += 4.0 * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
     if (n->pass->work) n->pass->work(&n->run, report);
 }
 
@@ -264,30 +271,50 @@ static ssfr_result run_node(ssfr_graph *graph, int i, bool timing)
     } else {
         const double start = ssfr_clock();
         run_on_cpu(graph, n);
-        report->ms = 1e3 * (ssfr_clock() - start);
+        if (timing) report->ms = 1e3 * (ssfr_clock() - start);
     }
     count_work(graph, n, report);
 end:
     return result;
 }
 
-/* ---- the frame -------------------------------------------------------------------------------------------------------- */
+/* ---- the frame --------------------------------------------------------------------------------------------------- */
+
+/* The particles need not tell of fluid whose depth is given. How far that of a host's texture is, is not known. */
+static void note_given_fluid(ssfr_graph *graph)
+{
+    for (int i = 0; i < graph->n_resources; i++) {
+        const resource *r = &graph->resources[i];
+        if (r->is_given && ssfr_slot_is_fluid(r->slot)) ssfr_frame_assume_fluid(&graph->frame, r->nearest, r->mean);
+    }
+}
 
 static ssfr_result prepare(ssfr_graph *graph, const ssfr_scene *scene, bool keep_all)
 {
+    ssfr_result result = SSFR_OK;
     const host_buffer *h = &graph->host;
-    if (graph->host.buffer)
-        return ssfr_frame_prepare_host(&graph->frame, scene, &graph->world, h->n, h->origin, h->radius, &graph->grew);
-    return ssfr_frame_prepare(&graph->frame, scene, &graph->world, ssfr_graph_reach(graph), keep_all, &graph->grew);
+    const double reach = ssfr_graph_reach(graph);
+    if (h->buffer && scene->particles)
+        return ssfr_fail(SSFR_ERR_VALUE, "particles: both the scene's and a buffer's (%u) are given", h->buffer);
+    if (h->buffer)
+        SSFR_TRY(ssfr_frame_prepare_host(&graph->frame, scene, &graph->world, h->n, h->origin, h->radius,
+                                         &graph->grew));
+    else
+        SSFR_TRY(ssfr_frame_prepare(&graph->frame, scene, &graph->world, reach, keep_all, &graph->grew));
+    note_given_fluid(graph);
+end:
+    return result;
 }
 
 /* The export when no node drew into it: the result is another image. */
 static ssfr_result copy_export(const ssfr_graph *graph)
 {
+    const ssfr_draw draw = {.gl = graph->gl, .copy = graph->copy, .sampler = graph->sampler};
     const ssfr_texture *from = &graph->resources[graph->last[graph->pipeline->result]].image->texture;
     const ssfr_texture *to = &graph->exported;
     if (!to->name || from->name == to->name) return SSFR_OK;
-    return ssfr_draw_copy(from, to);
+    ssfr_gl_baseline(graph->gl);
+    return ssfr_draw_copy(&draw, from, to);
 }
 
 static ssfr_result run_nodes(ssfr_graph *graph, bool timing)
@@ -340,7 +367,7 @@ ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene, const ssf
     graph->ran = false;
     graph->grew = 0;
     SSFR_TRY(prepare(graph, scene, o->keep_all));
-    ssfr_plan(graph, o->keep_all);
+    SSFR_TRY(ssfr_plan(graph, o->keep_all));
     graph->report.cpu_ms = 1e3 * (ssfr_clock() - start);
     if (graph->gl) SSFR_TRY(run_frame_on_gpu(graph, o->timing));
     else SSFR_TRY(run_nodes(graph, o->timing));

@@ -4,7 +4,7 @@
 
 #include "graph/internal.h"
 
-/* ---- the inputs that a pipeline makes ----------------------------------------------------------------------------- */
+/* ---- the inputs that a pipeline makes ---------------------------------------------------------------------------- */
 
 static const node *find_node(const ssfr_graph *graph, const ssfr_pass *pass)
 {
@@ -17,7 +17,10 @@ static const node *find_node(const ssfr_graph *graph, const ssfr_pass *pass)
 static bool has_pass(const ssfr_pipeline *pipeline, const ssfr_pass *pass)
 {
     bool has = false;
-    for (const ssfr_node *n = pipeline->nodes; n->name; n++) has |= strcmp(n->pass ? n->pass : n->name, pass->name) == 0;
+    for (int i = 0; i < SSFR_MAX_NODES && pipeline->nodes[i].name; i++) {
+        const ssfr_node *n = &pipeline->nodes[i];
+        has |= strcmp(n->pass ? n->pass : n->name, pass->name) == 0;
+    }
     return has;
 }
 
@@ -38,7 +41,7 @@ end:
     return result;
 }
 
-/* ---- one twin by itself ---------------------------------------------------------------------------------------------- */
+/* ---- one twin by itself ------------------------------------------------------------------------------------------ */
 
 static ssfr_result import_rounded(ssfr_graph *single, const char *port, const ssfr_field *field)
 {
@@ -64,6 +67,13 @@ static ssfr_result apply(ssfr_graph *single, const char *const *settings)
     return result;
 }
 
+static bool is_neutral(const ssfr_graph *graph, const image *im)
+{
+    bool neutral = false;
+    for (int i = 0; i < SSFR_N_SLOTS; i++) neutral |= im == &graph->neutral[i];
+    return neutral;
+}
+
 /* Runs the pass alone, whatever its `needed` says, and gives its outputs. */
 static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene *scene, const ssfr_graph *source,
                             const node *at, const char *const *settings, ssfr_field **outputs)
@@ -72,8 +82,11 @@ static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene
     ssfr_graph *single = NULL;
     SSFR_TRY(ssfr_graph_create_for_pass(&single, pass, gl));
     SSFR_TRY(apply(single, settings));
-    for (int k = 0; k < at->n_in; k++)
-        SSFR_TRY(import_rounded(single, pass->inputs[k].name, source->resources[at->in[k]].image->field));
+    for (int k = 0; k < at->n_in; k++) {
+        const image *im = source->resources[at->in[k]].image;
+        if (!is_neutral(source, im)) /* which is what a port has that is not given */
+            SSFR_TRY(import_rounded(single, pass->inputs[k].name, im->field));
+    }
     ssfr_graph_want_all(single, true);
     SSFR_TRY(ssfr_graph_run(single, scene, &(ssfr_run_options){.keep_all = true}));
     for (int k = 0; k < at->n_out; k++) SSFR_TRY(ssfr_graph_read(single, pass->outputs[k].name, &outputs[k]));
@@ -82,7 +95,7 @@ end:
     return result;
 }
 
-/* ---- comparing --------------------------------------------------------------------------------------------------------- */
+/* ---- comparing --------------------------------------------------------------------------------------------------- */
 
 static void compare(ssfr_twins_row *row)
 {
@@ -93,7 +106,8 @@ static void compare(ssfr_twins_row *row)
         const double difference = fabs(a->data[i] - b->data[i]);
         const bool bad = !isfinite(a->data[i]) || !isfinite(b->data[i]);
         row->n_nan += bad;
-        if (!bad && ssfr_is_surface(a->data[i]) && ssfr_is_surface(b->data[i])) row->max_abs = fmax(row->max_abs, difference);
+        if (!bad && ssfr_is_surface(a->data[i]) && ssfr_is_surface(b->data[i]))
+            row->max_abs = fmax(row->max_abs, difference);
         outside += !(difference <= row->tolerance.abs + row->tolerance.rel * fabs(b->data[i]));
     }
     row->outliers = (double)outside / (double)n;

@@ -86,7 +86,7 @@ static void derive(const ssfr_run *run, void *coeffs)
 
 static bool needed(const ssfr_run *run)
 {
-    return ((const curvature_flow_params *)run->params)->iterations > 0 && run->frame->facts.n_particles > 0;
+    return ((const curvature_flow_params *)run->params)->iterations > 0 && run->frame->facts.fluid;
 }
 
 /* Steps go to and fro between the output and a scratch image, so that the last ends in the output. */
@@ -96,11 +96,11 @@ static ssfr_result gl_run(const ssfr_run *run)
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     const ssfr_draw *draw = run->draw;
     const unsigned program = draw->programs[c->cross_term + 2 * c->off_axis];
-    if (c->iterations == 0) return ssfr_draw_copy(draw->in[0], draw->out[0]);
+    if (c->iterations == 0) return ssfr_draw_copy(draw, draw->in[0], draw->out[0]);
     for (int i = 0; i < c->iterations; i++) {
         const bool to_output = (c->iterations - i) % 2 == 1;
         const ssfr_texture *target = to_output ? draw->out[0] : draw->scratch[0];
-        if (i) ssfr_draw_bind(0, to_output ? draw->scratch[0] : draw->out[0]);
+        if (i) ssfr_draw_bind(draw, 0, to_output ? draw->scratch[0] : draw->out[0]);
         SSFR_TRY(ssfr_draw_screen(run, program, 1, &target));
     }
 end:

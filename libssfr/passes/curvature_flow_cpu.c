@@ -73,7 +73,7 @@ static void sweep(const ssfr_run *run, const ssfr_field *from, ssfr_field *to)
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < run->h; y++)
         for (int x = 0; x < run->w; x++) {
-            const double z = *ssfr_field_at(from, x, y);
+            const double z = *ssfr_field_fetch(from, x, y);
             *ssfr_field_at(to, x, y) = ssfr_is_surface(z) ? step(run, from, x, y) : z;
         }
 }

@@ -36,7 +36,7 @@ static void derive(const ssfr_run *run, void *coeffs)
 
 static bool needed(const ssfr_run *run)
 {
-    return shrink(run->params) > 1 && run->frame->facts.n_particles > 0;
+    return shrink(run->params) > 1 && run->frame->facts.fluid;
 }
 
 static void work(const ssfr_run *run, ssfr_node_report *report)
@@ -49,7 +49,7 @@ const ssfr_pass ssfr_downsample = {
     .name = "downsample",
     .source = "Bagar 2010, sec. 4.7 (how the depth is scaled down is not said: erratum B34)",
     .help = "depth at half, quarter or eighth resolution",
-    .inputs = {{"depth", SSFR_SLOT_fluid_depth}},
+    .inputs = {{"depth", SSFR_SLOT_fluid_depth, .any_size = true}},
     .outputs = {{"low", SSFR_SLOT_low_depth, .like = "depth", .from = "depth"}},
     .params = rows,
     .params_size = sizeof(downsample_params),

@@ -27,7 +27,7 @@ static void derive(const ssfr_run *run, void *coeffs)
 
 static bool needed(const ssfr_run *run)
 {
-    return ((const noise_normals_params *)run->params)->height > 0 && run->frame->facts.n_particles > 0;
+    return ((const noise_normals_params *)run->params)->height > 0 && run->frame->facts.fluid;
 }
 
 static void work(const ssfr_run *run, ssfr_node_report *report)

@@ -40,7 +40,7 @@ static void derive(const ssfr_run *run, void *coeffs)
 
 static bool needed(const ssfr_run *run)
 {
-    return run->frame->facts.n_particles > 0;
+    return run->frame->facts.fluid;
 }
 
 static void work(const ssfr_run *run, ssfr_node_report *report)

@@ -34,7 +34,7 @@ static void derive(const ssfr_run *run, void *coeffs)
 
 static bool needed(const ssfr_run *run)
 {
-    return run->divisor_in > 1 && run->frame->facts.n_particles > 0;
+    return run->divisor_in > 1 && run->frame->facts.fluid;
 }
 
 static void work(const ssfr_run *run, ssfr_node_report *report)
@@ -47,7 +47,7 @@ const ssfr_pass ssfr_upsample = {
     .name = "upsample",
     .source = "Bagar 2010, sec. 4.9 (the smoothed depth is read at full resolution)",
     .help = "smoothed depth at full resolution, inside the outline of the unsmoothed depth",
-    .inputs = {{"depth", SSFR_SLOT_smooth_depth}, {"guide", SSFR_SLOT_fluid_depth}},
+    .inputs = {{"depth", SSFR_SLOT_smooth_depth, .any_size = true}, {"guide", SSFR_SLOT_fluid_depth}},
     .outputs = {{"surface", SSFR_SLOT_surface_depth, .like = "guide", .from = "depth"}},
     .params = rows,
     .params_size = sizeof(upsample_params),
