@@ -27,9 +27,9 @@ float fresnel(float cosine)
 {
     float ior = frame.absorption.w, one = 1.0 - cosine;
     if (u_fresnel == 0) return u_r0 + (1.0 - u_r0) * one * one * one * one * one;
-    float inside = sqrt(1.0 - (1.0 - cosine * cosine) / (ior * ior));
-    float across = (cosine - ior * inside) / (cosine + ior * inside);
-    float along = (ior * cosine - inside) / (ior * cosine + inside);
+    float inside = sqrt(ior * ior - 1.0 + cosine * cosine); // ior times the cosine inside the fluid
+    float across = (cosine - inside) / max(cosine + inside, 1e-20); // 0 / 0 for index 1 at grazing angles
+    float along = (ior * ior * cosine - inside) / max(ior * ior * cosine + inside, 1e-20);
     return 0.5 * (across * across + along * along);
 }
 

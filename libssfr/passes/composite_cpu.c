@@ -16,11 +16,11 @@ typedef struct shading { /* of one pixel */
 
 static double fresnel(const shading *s)
 {
-    const double ior = s->block->absorption[3], one = 1 - s->cosine;
+    const double ior = s->block->absorption[3], cosine = s->cosine, one = 1 - cosine;
     if (s->c->fresnel == SSFR_FRESNEL_SCHLICK) return s->c->r0 + (1 - s->c->r0) * one * one * one * one * one;
-    const double inside = sqrt(1 - (1 - s->cosine * s->cosine) / (ior * ior));
-    const double across = (s->cosine - ior * inside) / (s->cosine + ior * inside);
-    const double along = (ior * s->cosine - inside) / (ior * s->cosine + inside);
+    const double inside = sqrt(ior * ior - 1 + cosine * cosine); /* ior times the cosine inside the fluid */
+    const double across = (cosine - inside) / fmax(cosine + inside, 1e-20); /* 0 / 0 for index 1 at grazing angles */
+    const double along = (ior * ior * cosine - inside) / fmax(ior * ior * cosine + inside, 1e-20);
     return 0.5 * (across * across + along * along);
 }
 
