@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* test_leaving_out.c: what a scene does not need is left out, and no picture changes by a bit for it. */
+#include "tests/frames.h"
+
+#include "graph/graph.h"
+
+enum { W = 150, H = 100 };
+
+/* ---- scenes ------------------------------------------------------------------------------------------------------ */
+
+static void block(test_scene *s)
+{
+    test_scene_create_usual(s, W, H);
+}
+
+static void one_sphere(test_scene *s)
+{
+    test_scene_create(s, 1, (const double[3]){0.1, 0.2, 0.05}, 0.15);
+    test_scene_look(s, (const double[3]){0.35, 0.62, 1.25}, (const double[3]){0, 0.2, 0}, 45, W, H);
+}
+
+static void empty(test_scene *s)
+{
+    test_scene_create(s, 0, NULL, 0);
+    test_scene_look(s, (const double[3]){0.35, 0.62, 1.25}, (const double[3]){0, 0.2, 0}, 45, W, H);
+}
+
+static void no_particles(test_scene *s)
+{
+    empty(s);
+    s->scene.particles = NULL;
+}
+
+static void all_behind_the_eye(test_scene *s)
+{
+    test_scene_create_usual(s, W, H);
+    test_scene_look(s, (const double[3]){0.35, 0.62, 1.25}, (const double[3]){0.5, 0.7, 3}, 45, W, H);
+}
+
+static void a_fifth_of_the_screen(test_scene *s)
+{
+    test_scene_create_usual(s, W, H);
+    test_scene_look(s, (const double[3]){0.35, 0.62, 1.9}, (const double[3]){0.75, 0.2, 0}, 50, W, H);
+}
+
+static void eye_inside_the_fluid(test_scene *s)
+{
+    test_scene_create_usual(s, W, H);
+    test_scene_look(s, (const double[3]){0.02, 0.21, 0.01}, (const double[3]){1, 0.3, -0.2}, 80, W, H);
+    s->scene.camera.near = 0.001;
+}
+
+static void far_strays(test_scene *s)
+{
+    const double strays[] = {-0.7, 0.1, 0, 0.7, 0.9, 0, -0.7, 0.9, -0.2, 0.6, 0.1, 0.1, 9, 9, 9, 0.35, 0.62, 1.26};
+    test_scene_create(s, SSFR_COUNT(strays) / 3, strays, 0.02);
+    test_scene_look(s, (const double[3]){0.35, 0.62, 1.25}, (const double[3]){0, 0.2, 0}, 45, W, H);
+}
+
+static void hidden_by_a_solid(test_scene *s)
+{
+    test_scene_create_usual(s, W, H);
+    s->solids[0] = (ssfr_solid){.centre = {0.2, 0.4, 0.7}, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                .half = {0.5, 0.5, 0.05}, .colour = {0.7, 0.2, 0.1}};
+}
+
+static const struct {
+    const char *name;
+    void (*create)(test_scene *);
+} scenes[] = {
+#define X(name) {#name, name}
+    X(block), X(one_sphere), X(empty), X(no_particles), X(all_behind_the_eye), X(a_fifth_of_the_screen),
+    X(eye_inside_the_fluid), X(far_strays), X(hidden_by_a_solid),
+#undef X
+};
+
+/* ---- every pipeline, scene and variant --------------------------------------------------------------------------- */
+
+static const char *const variants[][5] = {
+    {NULL},
+    {"downsample.factor=1", NULL},
+    {"downsample.factor=1", "curvature_flow.iterations=0", NULL},
+    {"curvature_flow.iterations=0", NULL},
+    {"curvature_flow.iterations=0", "downsample.factor=4", "upsample.filter=linear", NULL},
+    {"curvature_flow.iterations=1", "downsample.factor=8", "upsample.filter=nearest", NULL},
+    {"curvature_flow.reference=nearest", "curvature_flow.off_axis=1", "curvature_flow.iterations=7", NULL},
+    {"noise_normals.height=0", NULL},
+    {"noise_normals.height=0.3", NULL},
+    {"noise_normals.height=0.3", "surface_noise.radius_scale=3", "downsample.factor=1", NULL},
+    {"noise_normals.height=0.3", "surface_noise.off=1", NULL},
+    {"sphere_depth.splat=quad", "thickness.splat=quad", "sphere_depth.size=distance", NULL},
+    {"sphere_depth.splat=exact", "thickness.splat=exact", "sphere_depth.radius_scale=1.7", NULL},
+    {"thickness.radius_scale=3", "thickness.kernel=exponential", "thickness.occlusion=clipped", NULL},
+    {"composite.refraction=snell", "composite.reflection=scene", "composite.reject=0", NULL},
+    {"downsample.off=1", NULL},
+    {"curvature_flow.off=1", NULL},
+    {"thickness.off=1", "noise_normals.off=1", NULL},
+};
+
+/* Pipelines that lack a parameter run without it. */
+static void set_what_there_is(ssfr_graph *graph, const char *const *settings)
+{
+    for (int i = 0; settings[i]; i++) {
+        char key[64];
+        snprintf(key, sizeof key, "%.*s", (int)strcspn(settings[i], "="), settings[i]);
+        if (ssfr_graph_row(graph, key)) test_graph_set(graph, (const char *[]){settings[i], NULL});
+    }
+}
+
+static void assert_same_picture(ssfr_graph *graph, const char *result, const ssfr_scene *scene, const char *what)
+{
+    ssfr_field *without = test_graph_picture(graph, scene, result, false);
+    ssfr_field *with = test_graph_picture(graph, scene, result, true);
+    const size_t different = test_n_different(without, with);
+    if (different) fail_msg("%s: %zu values differ", what, different);
+    ssfr_field_destroy(&without);
+    ssfr_field_destroy(&with);
+}
+
+static void pictures_are_the_same_to_the_bit(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    for (size_t k = 0; k < SSFR_COUNT(scenes); k++) {
+        test_scene s;
+        scenes[k].create(&s);
+        for (int p = 0; ssfr_pipeline_at(p); p++)
+            for (size_t v = 0; v < SSFR_COUNT(variants); v++) {
+                const ssfr_pipeline *pipeline = ssfr_pipeline_at(p);
+                ssfr_graph *graph = test_graph(pipeline, gl);
+                char what[128];
+                snprintf(what, sizeof what, "%s of %s, variant %zu", pipeline->name, scenes[k].name, v);
+                set_what_there_is(graph, variants[v]);
+                assert_same_picture(graph, ssfr_slots[pipeline->result].name, &s.scene, what);
+                ssfr_graph_destroy(&graph);
+            }
+        test_scene_destroy(&s);
+    }
+}
+
+static void pictures_without_any_one_node_are_the_same_to_the_bit(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    block(&s);
+    for (int p = 0; ssfr_pipeline_at(p); p++) {
+        const ssfr_pipeline *pipeline = ssfr_pipeline_at(p);
+        for (int i = 0; pipeline->nodes[i].name; i++)
+            for (int iterations = 0; iterations < 10; iterations += 5) {
+                ssfr_graph *graph = test_graph(pipeline, gl);
+                char off[64], steps[64];
+                snprintf(off, sizeof off, "%s.off=1", pipeline->nodes[i].name);
+                snprintf(steps, sizeof steps, "curvature_flow.iterations=%d", iterations);
+                set_what_there_is(graph, (const char *[]){off, steps, "downsample.factor=1",
+                                                         "noise_normals.height=0.2", NULL});
+                assert_same_picture(graph, ssfr_slots[pipeline->result].name, &s.scene, off);
+                assert_int_equal(test_graph_node(graph, pipeline->nodes[i].name)->status, SSFR_OFF);
+                ssfr_graph_destroy(&graph);
+            }
+    }
+    test_scene_destroy(&s);
+}
+
+/* An image left out reads as one neutral pixel: the image that is not left out is neutral everywhere. */
+static void assert_same_image(const ssfr_field *without, const ssfr_field *with, const char *what)
+{
+    const size_t n = (size_t)with->w * (size_t)with->h * (size_t)with->c;
+    if (without->w == 1 && without->h == 1) {
+        for (size_t i = 0; i < n; i++)
+            if (with->data[i] != without->data[i % (size_t)with->c]) fail_msg("%s: %zu is %g", what, i, with->data[i]);
+    } else if (test_n_different(without, with)) {
+        fail_msg("%s differs", what);
+    }
+}
+
+static void every_image_is_the_same_to_the_bit(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    for (size_t k = 0; k < SSFR_COUNT(scenes); k++) {
+        test_scene s;
+        scenes[k].create(&s);
+        for (int p = 0; ssfr_pipeline_at(p); p++) {
+            ssfr_graph *lean = test_graph(ssfr_pipeline_at(p), gl), *full = test_graph(ssfr_pipeline_at(p), gl);
+            set_what_there_is(lean, (const char *[]){"noise_normals.height=0.3", NULL});
+            set_what_there_is(full, (const char *[]){"noise_normals.height=0.3", NULL});
+            ssfr_graph_want_all(lean, true);
+            assert_int_equal(ssfr_graph_run(lean, &s.scene, NULL), SSFR_OK);
+            assert_int_equal(ssfr_graph_run(full, &s.scene, &(ssfr_run_options){.keep_all = true}), SSFR_OK);
+            for (int i = 0; ssfr_graph_slot_at(lean, i); i++) {
+                char what[128];
+                snprintf(what, sizeof what, "%s of %s", ssfr_graph_slot_at(lean, i), scenes[k].name);
+                ssfr_field *a = test_graph_read(lean, ssfr_graph_slot_at(lean, i));
+                ssfr_field *b = test_graph_read(full, ssfr_graph_slot_at(full, i));
+                assert_same_image(a, b, what);
+                ssfr_field_destroy(&a);
+                ssfr_field_destroy(&b);
+            }
+            ssfr_graph_destroy(&lean);
+            ssfr_graph_destroy(&full);
+        }
+        test_scene_destroy(&s);
+    }
+}
+
+/* ---- what is left out -------------------------------------------------------------------------------------------- */
+
+/* A letter a node: ran, off, unwanted, needless, given. */
+static const char *statuses(const ssfr_graph *graph)
+{
+    static char text[64];
+    const ssfr_report *report = ssfr_graph_report(graph);
+    for (int i = 0; i < report->n_nodes; i++) text[i] = "ROUNG"[report->nodes[i].status];
+    text[report->n_nodes] = '\0';
+    return text;
+}
+
+static void what_is_left_out_is_what_is_not_needed(void **state)
+{
+    /* background sphere_depth downsample curvature_flow upsample normals thickness surface_noise noise_normals
+     * composite */
+    static const struct {
+        void (*scene)(test_scene *);
+        const char *settings[4], *expected;
+    } cases[] = {
+        {block, {NULL}, "RRRRRRRUNR"},
+        {one_sphere, {NULL}, "RRRRRRRUNR"},
+        {hidden_by_a_solid, {NULL}, "RRRRRRRUNR"},
+        {block, {"downsample.factor=1", NULL}, "RRNRNRRUNR"},
+        {block, {"downsample.factor=1", "curvature_flow.iterations=0", NULL}, "RRNNNRRUNR"},
+        {block, {"curvature_flow.iterations=0", NULL}, "RRRNRRRUNR"},
+        {block, {"noise_normals.height=0.3", NULL}, "RRRRRRRRRR"},
+        {block, {"noise_normals.height=0.3", "surface_noise.off=1", NULL}, "RRRRRRRORR"},
+        {block, {"thickness.off=1", NULL}, "RRRRRROUNR"},
+        {block, {"composite.off=1", NULL}, "RUUUUUUUUO"},
+        {block, {"noise_normals.off=1", "noise_normals.height=0.3", NULL}, "RRRRRRRUOR"},
+        {empty, {NULL}, "RUUUUUUUUN"},
+        {no_particles, {NULL}, "RUUUUUUUUN"},
+        {all_behind_the_eye, {"noise_normals.height=0.3", NULL}, "RUUUUUUUUN"},
+    };
+    ssfr_gl *gl = test_backend(state);
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        test_scene s;
+        ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), gl);
+        cases[i].scene(&s);
+        test_graph_set(graph, cases[i].settings);
+        assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+        if (strcmp(statuses(graph), cases[i].expected) != 0)
+            fail_msg("case %zu: %s, expected %s", i, statuses(graph), cases[i].expected);
+        ssfr_graph_destroy(&graph);
+        test_scene_destroy(&s);
+    }
+}
+
+static void who_wants_depth_alone_pays_for_no_compositing(void **state)
+{
+    ssfr_pipeline depth_alone = *ssfr_pipeline_find("vanderlaan2009");
+    depth_alone.result = SSFR_SLOT_surface_depth;
+    test_scene s;
+    block(&s);
+    ssfr_graph *graph = test_graph(&depth_alone, test_backend(state));
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    assert_string_equal(statuses(graph), "RRRRRUUUUU");
+    assert_int_equal(ssfr_graph_want(graph, "normal"), SSFR_OK);
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    assert_string_equal(statuses(graph), "RRRRRRUUUU");
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+static void keeping_all_runs_all_on_every_tile(void **state)
+{
+    test_scene s;
+    a_fifth_of_the_screen(&s);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), test_backend(state));
+    const ssfr_report *report = ssfr_graph_report(graph);
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    assert_true(report->covered > 0.05 && report->covered < 0.5);
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, &(ssfr_run_options){.keep_all = true}), SSFR_OK);
+    assert_string_equal(statuses(graph), "RRRRRRRRRR");
+    assert_true(report->covered == 1);
+    assert_int_equal(report->n_particles, 432);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        ON_BOTH(pictures_are_the_same_to_the_bit),
+        ON_BOTH(pictures_without_any_one_node_are_the_same_to_the_bit),
+        ON_BOTH(every_image_is_the_same_to_the_bit),
+        ON_BOTH(what_is_left_out_is_what_is_not_needed),
+        ON_BOTH(who_wants_depth_alone_pays_for_no_compositing),
+        ON_BOTH(keeping_all_runs_all_on_every_tile),
+    };
+    return cmocka_run_group_tests(tests, test_capture_log, test_shared_gl_destroy);
+}
