@@ -36,8 +36,9 @@ SHARED := $(BUILD)/libssfr.so.$(VERSION)
 METRICS := $(BUILD)/libmetrics.a
 APP := $(BUILD)/libexperiments.a
 SSFR := $(BUILD)/ssfr
+COMMIT := $(shell git describe --always --dirty --abbrev=40 2>/dev/null)
 
-.PHONY: all deps demo check test install uninstall clean help
+.PHONY: all deps demo check test install uninstall clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -87,6 +88,13 @@ $(SHARED): $(LIB_OBJ)
 	ln -sf $(@F) $(BUILD)/libssfr.so
 
 # ---- experiments and tests -----------------------------------------------------------------------------------------
+
+# The commit stands in every table's metadata: that one file is made anew when it changes.
+$(BUILD)/commit: FORCE
+	@mkdir -p $(@D); echo '$(COMMIT)' | cmp -s - $@ || echo '$(COMMIT)' > $@
+$(BUILD)/experiments/meta.o: $(BUILD)/commit
+$(BUILD)/experiments/meta.o: CFLAGS_ALL += -DSSFR_COMMIT='"$(COMMIT)"'
+FORCE:
 
 $(BUILD)/experiments/scenes/embedded.o: experiments/scenes/data/double_dam_break.h5
 

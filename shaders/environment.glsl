@@ -41,13 +41,16 @@ float enter_solid(int i, vec3 origin, vec3 dir, out vec3 normal)
     return enter < leave && enter > 0.0 ? enter : -1.0;
 }
 
+const float HAZES = 16.0;
+
 // Radiance along origin + t dir (relative to the eye, world axes; dir of any length); t of the hit, or EMPTY for the sky.
 vec3 trace(vec3 origin, vec3 dir, out float t)
 {
     vec3 color = sky(normalize(dir)), normal;
     t = EMPTY;
     float floor_t = (frame.right.w - origin.y) / dir.y;
-    if (frame.right.w > -SURFACE && dir.y != 0.0 && floor_t > 0.0) {
+    // Nothing is left of the floor beyond HAZES times the haze: it ends there, before its depth loses all digits.
+    if (frame.right.w > -SURFACE && dir.y != 0.0 && floor_t > 0.0 && floor_t * length(dir) < HAZES * frame.ground.w) {
         t = floor_t;
         float footprint = t * frame.image.w * dot(dir, dir) / max(abs(dir.y), 1e-6);
         color = mix(color, floor_color(origin + t * dir, footprint), exp(-t * length(dir) / frame.ground.w));

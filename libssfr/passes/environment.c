@@ -46,17 +46,21 @@ static double enter_solid(const double solid[5][4], const double origin[3], cons
     return enter < leave && enter > 0 ? enter : -1;
 }
 
+static const double HAZES = 16;
+
 double ssfr_environment_trace(const ssfr_block *b, const double origin[3], const double dir[3], double color[3])
 {
     double t = SSFR_EMPTY, unit[3] = {dir[0], dir[1], dir[2]}, normal[3];
+    const double length = sqrt(ssfr_dot(dir, dir));
     const double floor_t = (b->right[3] - origin[1]) / dir[1];
     ssfr_normalize(unit);
     ssfr_environment_sky(b, unit, color);
-    if (b->right[3] > -SSFR_SURFACE && dir[1] != 0 && floor_t > 0) {
+    /* Nothing is left of the floor beyond HAZES times the haze: it ends there, before a float's depth loses all digits. */
+    if (b->right[3] > -SSFR_SURFACE && dir[1] != 0 && floor_t > 0 && floor_t * length < HAZES * b->floor[3]) {
         t = floor_t;
         const double footprint = t * b->image[3] * ssfr_dot(dir, dir) / fmax(fabs(dir[1]), 1e-6);
         const double shade = floor_shade(b, origin[0] + t * dir[0], origin[2] + t * dir[2], footprint);
-        const double clear = exp(-t * sqrt(ssfr_dot(dir, dir)) / b->floor[3]);
+        const double clear = exp(-t * length / b->floor[3]);
         for (int k = 0; k < 3; k++) color[k] = ssfr_mix(color[k], shade, clear);
     }
     for (int i = 0; i < (int)b->zenith[3]; i++) {
