@@ -3,42 +3,13 @@
 # test_sweep.sh: sweep, bench and check from outside: every row once, errors before anything runs.
 # shellcheck disable=SC2086,SC2012,SC2015,SC2016 # variables hold several options; names are plain
 
-ssfr=$(cd "$(dirname "${SSFR:-${BUILD:-build}/ssfr}")" && pwd)/$(basename "${SSFR:-ssfr}")
-specs=$(cd "$(dirname "$0")/../experiments" && pwd)
-work=$(mktemp -d "${TMPDIR:-/tmp}/ssfr-sweep-XXXXXX") || exit 2
-trap 'rm -rf "$work"' EXIT
-trap 'exit 2' INT TERM
-cd "$work" || exit 2
-[ -x "$ssfr" ] || { echo "not ok - $ssfr is there"; echo "0 passed, 1 failed"; exit 1; }
-passed=0
-failed=0
-
-ok() { passed=$((passed + 1)); echo "ok - $1"; }
-bad() { failed=$((failed + 1)); echo "not ok - $1"; shift; printf '# %s\n' "$@"; }
-
-# run ARGS: status, out and err are what came of it.
-run() {
-    "$ssfr" "$@" >out 2>err
-    status=$?
-}
+test=sweep
+. "$(dirname "$0")/cases.sh"
 
 # leaves STATUS NAME ARGS: with that status, and with nothing on stderr.
 leaves() {
     wanted=$1 name=$2; shift 2; run "$@"
     if [ $status -eq "$wanted" ] && [ ! -s err ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
-}
-
-# refuses NAME TEXT ARGS: leaves with 2, nothing on stdout, one line on stderr that names the command and holds TEXT.
-refuses() {
-    name=$1 text=$2; shift 2; run "$@"
-    if [ $status -eq 2 ] && [ ! -s out ] && [ "$(wc -l <err)" -eq 1 ] && grep -q '^ssfr' err && grep -qF -- "$text" err
-    then ok "$name"; else bad "$name" "status $status, wanted 2 and: $text" "$(cat err)"; fi
-}
-
-# that NAME COMMAND: the shell command holds.
-that() {
-    name=$1; shift
-    if "$@"; then ok "$name"; else bad "$name" "$*"; fi
 }
 
 lines() { if [ -e "$1" ]; then wc -l <"$1"; else echo 0; fi; }
@@ -70,7 +41,7 @@ that 'a dry run writes nothing' nothing_but
 leaves 0 'scenes, sizes and backends are axes too' sweep \
     --vary scene=block,sphere --vary size=48x32,32x48 --vary backend=cpu,gl --dry-run
 that 'with columns of their own' [ "$(sed -n 3p out)" = block,vanderlaan2009,gl,48,32 ]
-leaves 0 'the first sweep of a paper is sound' sweep "$specs/vanderlaan2009/iterations.yaml" --dry-run
+leaves 0 'the first sweep of a paper is sound' sweep "$here/../experiments/vanderlaan2009/iterations.yaml" --dry-run
 that 'and holds its whole product' [ "$(rows out)" -eq 162 ]
 
 # ---- a table ----
@@ -243,5 +214,4 @@ fi
 refuses 'check knows its passes' 'nothing: no such pass' check nothing
 refuses 'check knows its settings' '--set no.thing=1: expected' check --set no.thing=1
 
-echo "$passed passed, $failed failed"
-[ $failed -eq 0 ]
+finish
