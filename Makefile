@@ -105,6 +105,9 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(patsubst %.c,$(BUILD)/%.o,$(fil
                        $(APP) $(METRICS) $(STATIC)
 	$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(call PKG,--libs cmocka) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
 
+# Counts what the library allocates, and makes it run out of memory.
+$(BUILD)/tests/test_allocations: private LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
+
 check: deps
 	@$(MAKE) --no-print-directory test
 

@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* test_allocations.c: a frame allocates nothing after the first of its kind, and running out of memory is an error at
+ * each allocation. The linker puts the functions below in front of malloc and its kin (see the Makefile). */
+#include "tests/frames.h"
+
+#include <stdatomic.h>
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t n, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void __real_free(void *memory);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t n, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+void __wrap_free(void *memory);
+
+static atomic_long n_made, n_live; /* by what is linked in here: not by the GL driver, cmocka or the C library */
+static long fails_at = -1;         /* the allocation that fails, counted from now on; -1: none */
+
+static bool runs_out(void)
+{
+    return atomic_fetch_add(&n_made, 1) == fails_at;
+}
+
+static void *count(void *memory)
+{
+    if (memory) atomic_fetch_add(&n_live, 1);
+    return memory;
+}
+
+void *__wrap_malloc(size_t size)
+{
+    return runs_out() ? NULL : count(__real_malloc(size));
+}
+
+void *__wrap_calloc(size_t n, size_t size)
+{
+    return runs_out() ? NULL : count(__real_calloc(n, size));
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+    if (runs_out()) return NULL;
+    void *moved = __real_realloc(memory, size);
+    return memory ? moved : count(moved);
+}
+
+void __wrap_free(void *memory)
+{
+    if (memory) atomic_fetch_sub(&n_live, 1);
+    __real_free(memory);
+}
+
+static void start_counting(long failing)
+{
+    n_made = 0;
+    fails_at = failing;
+    test_clear_log();
+}
+
+/* What was allocated since, and no more failing. */
+static long stop_counting(void)
+{
+    fails_at = -1;
+    return n_made;
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
+
+static long run_and_count(ssfr_graph *graph, const ssfr_scene *scene, const ssfr_run_options *options)
+{
+    start_counting(-1);
+    assert_int_equal(ssfr_graph_run(graph, scene, options), SSFR_OK);
+    return stop_counting();
+}
+
+static void a_frame_allocates_nothing_after_the_first(void **state)
+{
+    static const char *const variants[][4] = {
+        {NULL},
+        {"downsample.factor=4", "noise_normals.height=0.3", NULL},
+        {"sphere_depth.splat=exact", "thickness.splat=quad", NULL},
+        {"curvature_flow.iterations=3", "composite.refraction=snell", NULL},
+    };
+    static const ssfr_run_options options[] = {{0}, {.keep_all = true}, {.timing = true}};
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    test_scene_create_usual(&s, 96, 64);
+    for (size_t v = 0; v < SSFR_COUNT(variants); v++)
+        for (size_t o = 0; o < SSFR_COUNT(options); o++) {
+            ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), gl);
+            test_graph_set(graph, variants[v]);
+            const long first = run_and_count(graph, &s.scene, &options[o]);
+            assert_true(gl || first > 10); /* on the GPU the driver allocates */
+            assert_true(ssfr_graph_report(graph)->allocations > 5);
+            for (int i = 0; i < 3; i++) {
+                s.scene.camera.eye[0] += 0.01;
+                assert_int_equal(run_and_count(graph, &s.scene, &options[o]), 0);
+                assert_int_equal(ssfr_graph_report(graph)->allocations, 0);
+            }
+            ssfr_graph_destroy(&graph);
+        }
+    test_scene_destroy(&s);
+}
+
+static void parameters_of_the_same_sizes_allocate_nothing(void **state)
+{
+    static const char *const keys[] = {"medium.ior=1.5", "curvature_flow.iterations=7", "composite.fresnel=exact",
+                                       "sphere_depth.radius_scale=2", "noise_normals.height=0", "light.azimuth_deg=10"};
+    test_scene s;
+    test_scene_create_usual(&s, 96, 64);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), test_backend(state));
+    test_graph_set(graph, (const char *[]){"noise_normals.height=0.3", NULL});
+    run_and_count(graph, &s.scene, NULL);
+    for (size_t i = 0; i < SSFR_COUNT(keys); i++) {
+        test_graph_set(graph, (const char *[]){keys[i], NULL});
+        assert_int_equal(run_and_count(graph, &s.scene, NULL), 0);
+        assert_int_equal(ssfr_graph_report(graph)->allocations, 0);
+    }
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+static void other_particles_of_the_same_number_cost_one_upload(void **state)
+{
+    test_scene s, other;
+    test_scene_create_usual(&s, 96, 64);
+    test_scene_create_usual(&other, 96, 64);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), test_backend(state));
+    run_and_count(graph, &s.scene, NULL);
+    assert_int_equal(run_and_count(graph, &other.scene, NULL), 0);
+    assert_int_equal(ssfr_graph_report(graph)->allocations, *state ? 1 : 0);
+    assert_int_equal(run_and_count(graph, &other.scene, NULL), 0);
+    assert_int_equal(ssfr_graph_report(graph)->allocations, 0);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+    test_scene_destroy(&other);
+}
+
+/* ---- running out of memory --------------------------------------------------------------------------------------- */
+
+/* One error line for a failure, none else. */
+static void assert_failed_once(ssfr_result result)
+{
+    assert_int_equal(result, SSFR_ERR_MEMORY);
+    test_assert_logged("no memory for", __FILE__, __LINE__);
+}
+
+static void running_out_anywhere_in_making_and_running_a_graph_is_an_error(void **state)
+{
+    (void)state;
+    test_scene s;
+    test_scene_create_usual(&s, 37, 23);
+    const long live = n_live;
+    bool failed = true;
+    int n_in_create = 0, n_in_run = 0;
+    for (int n = 0; failed; n++) {
+        ssfr_graph *graph = NULL;
+        start_counting(n);
+        ssfr_result result = ssfr_graph_create(&graph, ssfr_pipeline_at(0), NULL);
+        n_in_create += result != SSFR_OK;
+        if (result == SSFR_OK) {
+            result = ssfr_graph_run(graph, &s.scene, NULL);
+            n_in_run += result != SSFR_OK;
+        } else {
+            assert_null(graph);
+        }
+        failed = stop_counting() > n;
+        if (failed) assert_failed_once(result);
+        if (graph && failed) assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK); /* it can go on */
+        ssfr_graph_destroy(&graph);
+        assert_int_equal(n_live, live);
+    }
+    assert_true(n_in_create > 60 && n_in_run > 10);
+    test_scene_destroy(&s);
+}
+
+/* The programs of shaders are kept, so each round comes further than the last. */
+static void running_out_on_the_gpu_is_an_error(void **state)
+{
+    (void)state;
+    test_scene s;
+    ssfr_field *picture = NULL;
+    ssfr_gl *gl = test_gl_or_skip(); /* with no program yet */
+    bool failed = true;
+    test_scene_create_usual(&s, 37, 23);
+    for (int n = 0; failed && n < 2000; n++) {
+        ssfr_graph *graph = NULL;
+        start_counting(n);
+        ssfr_result result = ssfr_graph_create(&graph, ssfr_pipeline_at(0), gl);
+        if (result == SSFR_OK) result = ssfr_graph_run(graph, &s.scene, NULL);
+        if (result == SSFR_OK) result = ssfr_graph_read(graph, "color", &picture);
+        failed = stop_counting() > n;
+        if (failed) assert_failed_once(result);
+        if (failed) assert_null(picture);
+        ssfr_graph_destroy(&graph);
+    }
+    assert_false(failed);
+    assert_int_equal(picture->w, 37);
+    ssfr_field_destroy(&picture);
+    ssfr_gl_destroy(&gl);
+    test_scene_destroy(&s);
+}
+
+static void running_out_while_a_context_is_made_is_an_error(void **state)
+{
+    (void)state;
+    test_shared_gl(); /* or skip */
+    bool failed = true;
+    for (int n = 0; failed; n++) {
+        ssfr_gl *gl = NULL;
+        start_counting(n);
+        const ssfr_result result = ssfr_gl_create(&gl, SSFR_GL_OWN);
+        failed = stop_counting() > n;
+        if (failed) assert_failed_once(result), assert_null(gl);
+        else assert_int_equal(result, SSFR_OK);
+        ssfr_gl_destroy(&gl);
+    }
+}
+
+static void running_out_in_reading_and_giving_is_an_error(void **state)
+{
+    test_scene s;
+    test_scene_create_usual(&s, 37, 23);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), test_backend(state));
+    ssfr_field *color = test_image(37, 23, 3, 0.5), *read = NULL;
+    run_and_count(graph, &s.scene, NULL);
+    bool failed = true;
+    for (int n = 0; failed; n++) {
+        start_counting(n);
+        ssfr_result result = ssfr_graph_read(graph, "color", &read);
+        if (result == SSFR_OK) result = ssfr_graph_import(graph, "scene_color", color);
+        failed = stop_counting() > n;
+        if (failed) assert_failed_once(result);
+        ssfr_field_destroy(&read);
+    }
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    ssfr_field_destroy(&color);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+static void running_out_while_particles_are_packed_is_an_error(void **state)
+{
+    (void)state;
+    double positions[3 * 600];
+    uint32_t ids[600] = {0};
+    uint64_t seed = 3;
+    for (int i = 0; i < 3 * 600; i++) positions[i] = test_random(&seed, -1, 1);
+    const ssfr_particles given = {.radius = 0.02, .id = ids, .kind = ids};
+    const long live = n_live;
+    bool failed = true;
+    for (int n = 0; failed; n++) {
+        ssfr_particles *particles = NULL;
+        start_counting(n);
+        const ssfr_result result = ssfr_particles_create(&particles, 600, positions, &given);
+        failed = stop_counting() > n;
+        if (failed) assert_failed_once(result), assert_null(particles);
+        ssfr_particles_destroy(&particles);
+        assert_int_equal(n_live, live);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        ON_BOTH(a_frame_allocates_nothing_after_the_first),
+        ON_BOTH(parameters_of_the_same_sizes_allocate_nothing),
+        ON_BOTH(other_particles_of_the_same_number_cost_one_upload),
+        cmocka_unit_test(running_out_anywhere_in_making_and_running_a_graph_is_an_error),
+        cmocka_unit_test(running_out_on_the_gpu_is_an_error),
+        cmocka_unit_test(running_out_while_a_context_is_made_is_an_error),
+        ON_BOTH(running_out_in_reading_and_giving_is_an_error),
+        cmocka_unit_test(running_out_while_particles_are_packed_is_an_error),
+    };
+    return cmocka_run_group_tests(tests, test_capture_log, test_shared_gl_destroy);
+}
