@@ -283,13 +283,28 @@ static void point_sprites_are_cut_at_their_largest_size(void **state)
 
 static void points_vanish_with_their_centre_and_quads_do_not(void **state)
 {
+    static const double inside[][3] = {{0.99, 0, -2}, {-0.99, 0, -2}, {0, 0.99, -2}, {0, -0.99, -2}};
     test_twin *t = test_twin_create(state, "sphere_depth", 64, 64);
-    static const double inside[3] = {0.99, 0, -2}, outside[3] = {1.01, 0, -2}, below[3] = {0, -1.01, -2};
-    assert_true(test_count(splat(t, "point", inside, 0.3)) > 100);
-    assert_int_equal(test_count(splat(t, "point", outside, 0.3)), 0);
-    assert_int_equal(test_count(splat(t, "point", below, 0.3)), 0);
-    assert_true(test_count(splat(t, "quad", outside, 0.3)) > 100);
-    assert_true(test_count(splat(t, "exact", below, 0.3)) > 100);
+    for (size_t i = 0; i < SSFR_COUNT(inside); i++) {
+        const double outside[3] = {1.02 * inside[i][0], 1.02 * inside[i][1], -2};
+        assert_true(test_count(splat(t, "point", inside[i], 0.3)) > 100);
+        assert_int_equal(test_count(splat(t, "point", outside, 0.3)), 0);
+        assert_true(test_count(splat(t, "quad", outside, 0.3)) > 100);
+        assert_true(test_count(splat(t, "exact", outside, 0.3)) > 100);
+    }
+}
+
+/* Most of the sphere is beyond the near plane. A disc stands where its centre is. */
+static void points_and_quads_vanish_with_their_centre_before_the_near_plane(void **state)
+{
+    static const double before[3] = {0, 0, -0.74}, beyond[3] = {0, 0, -0.76};
+    test_twin *t = test_twin_create(state, "sphere_depth", 64, 64);
+    t->scene.camera.near = 0.75;
+    assert_int_equal(test_count(splat(t, "point", before, 0.3)), 0);
+    assert_int_equal(test_count(splat(t, "quad", before, 0.3)), 0);
+    assert_true(test_count(splat(t, "exact", before, 0.3)) > 100);
+    assert_true(test_count(splat(t, "point", beyond, 0.3)) > 100);
+    assert_true(test_count(splat(t, "quad", beyond, 0.3)) > 100);
 }
 
 /* Points beyond what the GPU draws would be cut without a word. */
@@ -385,6 +400,7 @@ int main(void)
         TEST_TWINS(quad_error_stays_off_the_axis),
         TEST_TWINS(point_sprites_are_cut_at_their_largest_size),
         TEST_TWINS(points_vanish_with_their_centre_and_quads_do_not),
+        TEST_TWINS(points_and_quads_vanish_with_their_centre_before_the_near_plane),
         TEST_GPU(points_larger_than_the_gpu_draws_are_refused),
         TEST_TWINS(tiny_spheres_draw_one_pixel_or_none),
         TEST_TWINS(scene_hides_what_is_behind_it),

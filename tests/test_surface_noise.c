@@ -150,6 +150,32 @@ static void noise_vanishes_at_the_corners_of_its_cells(void **state)
     assert_true(between > 0.3);
 }
 
+/* Gradients are unit vectors and fade into each other: with a cell of 24 pixels, two neighbours differ by little, across the edges of
+ * cells too, and the noise comes from both sides of zero. */
+static void noise_is_continuous_across_cells(void **state)
+{
+    test_twin *t = test_twin_create(state, "surface_noise", 65, 65);
+    static const double c[3] = {0, 0, -4};
+    test_twin_give(t, "depth", test_field_filled(65, 65, 1, -2.385));
+    test_twin_set(t, "splat", "quad");
+    test_twin_set(t, "sharpness", "0");
+    test_twin_set(t, "depth_falloff", "0");
+    test_twin_set(t, "frequency", "1");
+    for (uint32_t id = 0; id < 8; id++) {
+        const ssfr_field *noise = one(t, c, 24 * 4.0 / 65, id);
+        double steepest = 0, lo = 0, hi = 0;
+        for (int y = 32 - 16; y < 32 + 16; y++)
+            for (int x = 32 - 16; x < 32 + 16; x++) {
+                const double here = *ssfr_field_at(noise, x, y);
+                steepest = fmax(steepest, fabs(*ssfr_field_at(noise, x + 1, y) - here));
+                steepest = fmax(steepest, fabs(*ssfr_field_at(noise, x, y + 1) - here));
+                lo = fmin(lo, here), hi = fmax(hi, here);
+            }
+        assert_true(steepest < 2.2 / 24 && steepest > 0.5 / 24);
+        assert_true(lo < -0.1 && hi > 0.1);
+    }
+}
+
 static void frequency_0_is_silence(void **state)
 {
     test_twin *t = begin(state);
@@ -269,6 +295,7 @@ int main(void)
         TEST_TWINS(noise_is_carried_along),
         TEST_TWINS(noise_moves_with_its_particle),
         TEST_TWINS(noise_vanishes_at_the_corners_of_its_cells),
+        TEST_TWINS(noise_is_continuous_across_cells),
         TEST_TWINS(frequency_0_is_silence),
         TEST_TWINS(kernel_is_a_gaussian_of_the_sprite),
         TEST_TWINS(noise_falls_by_e_below_the_surface),

@@ -58,14 +58,6 @@ static double corner_factor(const ssfr_block *b)
     return pow(1 + u * u + v * v, 1.5);
 }
 
-/* Where no fluid is in view nothing is known of its distance, but that it is beyond the near plane. */
-static double reference_distance(const ssfr_run *run, int reference)
-{
-    const ssfr_facts *facts = &run->frame->facts;
-    const double distance = reference == SSFR_REFERENCE_NEAREST ? facts->nearest : facts->mean;
-    return isfinite(distance) ? distance : run->frame->near;
-}
-
 static void derive(const ssfr_run *run, void *coeffs)
 {
     const curvature_flow_params *p = run->params;
@@ -73,7 +65,8 @@ static void derive(const ssfr_run *run, void *coeffs)
     ssfr_curvature_flow_coeffs *c = coeffs;
     c->c[0] = b->image[2] * run->divisor, c->c[1] = b->image[3] * run->divisor;
     const double bound = stability_bound(c->c, p->off_axis);
-    const double distance = reference_distance(run, p->reference);
+    const ssfr_facts *facts = &run->frame->facts;
+    const double distance = p->reference == SSFR_REFERENCE_NEAREST ? facts->nearest : facts->mean;
     c->dt = p->dt;
     if (p->dt == 0) c->dt = p->step * bound * distance / (p->off_axis ? corner_factor(b) : 1);
     c->limit = p->limit ? SSFR_CURVATURE_FLOW_SAFE * bound : SSFR_EMPTY;
