@@ -354,6 +354,26 @@ static void of_a_hosts_buffer_nothing_is_known(void **state)
     test_scene_destroy(&s);
 }
 
+static void samples_of_the_host_tell_its_mean_distance(void **state)
+{
+    (void)state;
+    /* Relative to an origin 1 m to the right: two in view at 2 and 5 m, one beside, one behind. */
+    static const float positions[4][3] = {{-1, 0, -2}, {-1, 0.5f, -5}, {5, 0, -2}, {-1, 0, 7}};
+    const double origin[3] = {1, 0, 0};
+    test_scene s;
+    ssfr_frame frame = {0};
+    long grew = 0;
+    create_heap(&s, 0, 0, 3);
+    s.scene.particles = NULL;
+    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, &grew), SSFR_OK);
+    ssfr_frame_sample_host(&frame, 4, positions);
+    assert_close(frame.facts.mean, 3.5, 0, 1e-14);
+    ssfr_frame_sample_host(&frame, 2, &positions[2]);
+    assert_true(frame.facts.mean == s.scene.camera.near);
+    ssfr_frame_finish(&frame);
+    test_scene_destroy(&s);
+}
+
 static void fluid_that_is_given_may_be_anywhere(void **state)
 {
     (void)state;
@@ -458,6 +478,7 @@ int main(void)
         cmocka_unit_test(the_block_for_shaders_is_relative_to_the_eye),
         cmocka_unit_test(memory_grows_only_with_the_scene),
         cmocka_unit_test(of_a_hosts_buffer_nothing_is_known),
+        cmocka_unit_test(samples_of_the_host_tell_its_mean_distance),
         cmocka_unit_test(fluid_that_is_given_may_be_anywhere),
         cmocka_unit_test(cameras_without_an_image_are_refused),
         cmocka_unit_test(solids_and_particles_out_of_range_are_refused),

@@ -408,6 +408,23 @@ end:
     return result;
 }
 
+void ssfr_frame_sample_host(ssfr_frame *frame, size_t n, const float (*positions)[3])
+{
+    const double *image = frame->block.image;
+    double sum = 0;
+    size_t n_seen = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double p[3] = {(double)positions[i][0], (double)positions[i][1], (double)positions[i][2]};
+        double eye[3];
+        for (int k = 0; k < 3; k++) eye[k] = frame->offset[0][k] + ssfr_dot(frame->rotation[k], p);
+        const double x = 0.5 * image[0] * image[2] * -eye[2], y = 0.5 * image[1] * image[3] * -eye[2];
+        if (-eye[2] < frame->near || fabs(eye[0]) > x + frame->radius || fabs(eye[1]) > y + frame->radius) continue;
+        sum -= eye[2];
+        n_seen++;
+    }
+    frame->facts.mean = fmax(n_seen ? sum / (double)n_seen : 0, frame->near);
+}
+
 void ssfr_frame_finish(ssfr_frame *frame)
 {
     free(frame->offset);

@@ -100,6 +100,8 @@ SSFR_MUST ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *sc
 /* The same for n particles in a host's buffer, relative to origin: nothing is known of where they are. */
 SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world,
                                               size_t n, const double origin[3], double radius, long *grew);
+/* Some of the host's positions, spread evenly: the mean distance of those in view stands for that of all. */
+void ssfr_frame_sample_host(ssfr_frame *frame, size_t n, const float (*positions)[3]);
 /* There may be fluid in every tile. Where no particle in view says how far it is, these do (m). */
 void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean);
 void ssfr_frame_finish(ssfr_frame *frame);

@@ -66,10 +66,35 @@ static void write_floats(unsigned buffer, size_t n, size_t from_width, size_t to
     }
 }
 
+/* Gathered on the GPU first, so that one transfer is waited for. */
+static ssfr_result sample_host(ssfr_graph *graph)
+{
+    enum { N_SAMPLES = 256 };
+    ssfr_result result = SSFR_OK;
+    const host_buffer *h = &graph->host;
+    float positions[N_SAMPLES][3];
+    const size_t n = h->n < N_SAMPLES ? h->n : N_SAMPLES, size = sizeof positions[0];
+    if (!h->buffer || n == 0) return SSFR_OK;
+    if (!graph->samples) {
+        SSFR_TRY(ssfr_buffer_create(graph->gl, &graph->samples, sizeof positions, NULL, true));
+        graph->grew++;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const size_t from = h->first + h->stride * (i * h->n / n);
+        glCopyNamedBufferSubData(h->buffer, graph->samples, (GLintptr)(from * sizeof(float)), (GLintptr)(i * size),
+                                 (GLsizeiptr)size);
+    }
+    glGetNamedBufferSubData(graph->samples, 0, (GLsizeiptr)(n * size), positions);
+    ssfr_frame_sample_host(&graph->frame, n, (const float(*)[3])positions);
+end:
+    return result;
+}
+
 static ssfr_result upload_frame(ssfr_graph *graph)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_frame *f = &graph->frame;
+    SSFR_TRY(sample_host(graph));
     SSFR_TRY(upload_particles(graph));
     SSFR_TRY(grow(graph, &graph->offsets, &graph->cap_offsets, f->n_packets, 4 * sizeof(float)));
     SSFR_TRY(grow(graph, &graph->tiles, &graph->cap_tiles, (size_t)f->facts.tiles_x * (size_t)f->facts.tiles_y,
