@@ -31,7 +31,7 @@ static void world_ray(const test_twin *t, int x, int y, double d[3])
     for (int k = 0; k < 3; k++) d[k] = at.u * c->right[k] + at.v * c->up[k] - c->back[k];
 }
 
-/* ---- the floor ------------------------------------------------------------------------------------------------------- */
+/* ---- the floor --------------------------------------------------------------------------------------------------- */
 
 static void floor_is_an_infinite_plane(void **state)
 {
@@ -72,15 +72,15 @@ static void floor_over_the_eye_is_a_ceiling(void **state)
         }
 }
 
-/* ---- the floor's colour ------------------------------------------------------------------------------------------------ */
+/* ---- the floor's colour ------------------------------------------------------------------------------------------ */
 
 static double lambert(double cosine)
 {
     return 0.45 + 0.55 * fmax(cosine, 0); /* light.ambient */
 }
 
-/* Clear air, and an eye so near that the tiles' contrast is whole. The chequer is read off at the floor's points, away from the
- * edges of tiles, where rounding decides. */
+/* Clear air, and an eye so near that the tiles' contrast is whole. The chequer is read off at the floor's points, away
+ * from the edges of tiles, where rounding decides. */
 static void tiles_alternate(void **state)
 {
     test_twin *t = begin(state, 61, 48);
@@ -117,7 +117,8 @@ static void haze_fades_the_floor_into_the_sky(void **state)
             double d[3];
             world_ray(t, x, y, d);
             if (d[1] > -0.01) continue;
-            const double clear = exp(1.5 / d[1] * sqrt(ssfr_dot(d, d)) / 40), shade = 0.62 * lambert(sin(40 * pi / 180));
+            const double clear = exp(1.5 / d[1] * sqrt(ssfr_dot(d, d)) / 40);
+            const double shade = 0.62 * lambert(sin(40 * pi / 180));
             for (int k = 0; k < 3; k++)
                 assert_close(ssfr_field_at(p.color, x, y)[k], ssfr_mix(horizon[k], shade, clear), 1e3 * t->eps, 0);
             least = fmin(least, clear);
@@ -152,8 +153,8 @@ static int n_changed(const ssfr_field *a, const ssfr_field *b)
     return n / 3;
 }
 
-/* Two tiles are a period. Tiles of half a metre and whole metres are exact in doubles, a thousand kilometres away too; in floats a
- * place on the other side of zero may round to the other side of a tile's edge. */
+/* Two tiles are a period. Tiles of half a metre and whole metres are exact in doubles, a thousand kilometres away too;
+ * in floats a place on the other side of zero may round to the other side of a tile's edge. */
 static void tiles_stay_put_under_whole_periods(void **state)
 {
     static const double by[][2] = {{1, 0}, {-7, 12}, {1e6, 0}, {-1e6, 1e6}};
@@ -171,7 +172,7 @@ static void tiles_stay_put_under_whole_periods(void **state)
     assert_true(n_changed(run(t).color, here.color) > 300);
 }
 
-/* ---- the sky ------------------------------------------------------------------------------------------------------------ */
+/* ---- the sky ----------------------------------------------------------------------------------------------------- */
 
 static void sky_goes_from_the_horizon_to_the_zenith(void **state)
 {
@@ -193,7 +194,7 @@ static void sky_goes_from_the_horizon_to_the_zenith(void **state)
         }
 }
 
-/* ---- boxes ---------------------------------------------------------------------------------------------------------------- */
+/* ---- boxes ------------------------------------------------------------------------------------------------------- */
 
 static ssfr_solid box(double x, double y, double z, double turn)
 {
@@ -202,7 +203,8 @@ static ssfr_solid box(double x, double y, double z, double turn)
                         .axis = {{c, 0, -s}, {s * tilt_s, tilt_c, c * tilt_s}, {s * tilt_c, -tilt_s, c * tilt_c}}};
 }
 
-/* Each of the six faces as a rectangle of a plane; the nearest that the ray meets before it. Where it only just does not, *near. */
+/* Each of the six faces as a rectangle of a plane; the nearest that the ray meets before it. Where it only just does
+ * not, *near. */
 static double meet_box(const ssfr_solid *b, const double eye[3], const double d[3], double normal[3], bool *near)
 {
     double nearest = INFINITY;
@@ -229,10 +231,10 @@ static double meet_box(const ssfr_solid *b, const double eye[3], const double d[
 /* Boxes turned and tilted, before the floor and into it, and one under the floor. */
 static void boxes_are_met_at_their_front_faces(void **state)
 {
-    const ssfr_solid solids[] = {box(0, 1.3, -1, 0), box(0.9, 0.9, -1.4, 0.7), box(-0.9, 0.3, -1.9, -1.1), box(0, -0.5, -1, 0.2)};
+    const ssfr_solid solids[] = {box(0, 1.3, -1, 0), box(0.9, 0.9, -1.4, 0.7), box(-0.9, 0.3, -1.9, -1.1),
+                                 box(0, -0.5, -1, 0.2)};
     test_twin *t = begin(state, 97, 72);
-    const double degree = pi / 180;
-    const double light[3] = {cos(40 * degree) * cos(125 * degree), sin(40 * degree), cos(40 * degree) * sin(125 * degree)};
+    const double a = 125 * pi / 180, e = 40 * pi / 180, light[3] = {cos(e) * cos(a), sin(e), cos(e) * sin(a)};
     t->scene.solids = solids, t->scene.n_solids = 4;
     const picture p = run(t);
     int hits[4] = {0};
@@ -254,8 +256,9 @@ static void boxes_are_met_at_their_front_faces(void **state)
             assert_close(*ssfr_field_at(p.depth, x, y), -nearest, which < 0 ? 0 : 64 * t->eps, 1e3 * t->eps);
             if (which < 0) continue;
             hits[which]++;
+            const double lit = lambert(ssfr_dot(n, light));
             for (int k = 0; k < 3; k++)
-                assert_close(ssfr_field_at(p.color, x, y)[k], solids[which].colour[k] * lambert(ssfr_dot(n, light)), 16 * t->eps, 0);
+                assert_close(ssfr_field_at(p.color, x, y)[k], solids[which].colour[k] * lit, 16 * t->eps, 0);
         }
     assert_true(hits[0] > 100 && hits[1] > 100 && hits[2] > 30 && hits[3] == 0);
 }
@@ -287,8 +290,10 @@ static void scene_is_the_same_a_thousand_kilometres_away(void **state)
     t->scene.floor -= 1e6;
     const picture there = run(t);
     int n_moved = 0;
-    for (int i = 0; i < 61 * 48; i++) /* the box's 1.25 m is held to 1e-10 m there */
-        n_moved += !(fabs(there.depth->data[i] - here.depth->data[i]) <= 1e-8 * fabs(here.depth->data[i]) + 32 * t->eps);
+    for (int i = 0; i < 61 * 48; i++) { /* the box's 1.25 m is held to 1e-10 m there */
+        const double before = here.depth->data[i], after = there.depth->data[i];
+        n_moved += !(fabs(after - before) <= 1e-8 * fabs(before) + 32 * t->eps);
+    }
     assert_true(n_moved <= 2);
 }
 

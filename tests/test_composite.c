@@ -5,7 +5,7 @@
 enum { W = 32, H = 24 };
 static const double pi = 3.14159265358979323846, z0 = -3;
 
-/* ---- a surface 3 m away that faces the eye ------------------------------------------------------------------------------- */
+/* ---- a surface 3 m away that faces the eye ----------------------------------------------------------------------- */
 
 typedef struct water {
     test_twin *t;
@@ -16,10 +16,11 @@ typedef struct water {
 static water begin(void **state)
 {
     static const double c[1][3] = {{0, 0, -3}};
-    static const char *const sky[] = {"sky.zenith_r", "sky.horizon_r", "sky.zenith_g", "sky.horizon_g", "sky.zenith_b", "sky.horizon_b"};
-    const water w = {.t = test_twin_create(state, "composite", W, H),
-                     .scene = test_field_filled(W, H, 3, 1), .scene_depth = test_field_filled(W, H, 1, -SSFR_EMPTY),
-                     .depth = test_field_filled(W, H, 1, z0), .normal = test_field(W, H, 3), .thickness = test_field(W, H, 1)};
+    static const char *const sky[] = {"sky.zenith_r",  "sky.horizon_r", "sky.zenith_g",
+                                      "sky.horizon_g", "sky.zenith_b", "sky.horizon_b"};
+    const water w = {.t = test_twin_create(state, "composite", W, H), .scene = test_field_filled(W, H, 3, 1),
+                     .scene_depth = test_field_filled(W, H, 1, -SSFR_EMPTY), .depth = test_field_filled(W, H, 1, z0),
+                     .normal = test_field(W, H, 3), .thickness = test_field(W, H, 1)};
     for (int i = 0; i < W * H; i++) w.normal->data[3 * i + 2] = 1;
     test_twin_place(w.t, 1, c, 0.1, NULL);
     test_twin_set(w.t, "fresnel", "exact");
@@ -63,10 +64,10 @@ static void tilt(const water *w, double angle)
     }
 }
 
-/* ---- Fresnel ---------------------------------------------------------------------------------------------------------------- */
+/* ---- Fresnel ----------------------------------------------------------------------------------------------------- */
 
-/* Without thickness the scene (white) shows with 1 - F and the sky with F: every channel tells F. At grazing angles F changes by up
- * to 5 times the cosine, which rounds. */
+/* Without thickness the scene (white) shows with 1 - F and the sky with F: every channel tells F. At grazing angles F
+ * changes by up to 5 times the cosine, which rounds. */
 static void assert_reflectance(const water *w, double expected)
 {
     const ssfr_field *color = run(w);
@@ -98,7 +99,8 @@ static double fresnel(double angle, double ior)
 {
     const double inside = asin(sin(angle) / ior);
     if (angle == 0) return ssfr_square((ior - 1) / (ior + 1));
-    return 0.5 * (ssfr_square(sin(angle - inside) / sin(angle + inside)) + ssfr_square(tan(angle - inside) / tan(angle + inside)));
+    const double across = sin(angle - inside) / sin(angle + inside), along = tan(angle - inside) / tan(angle + inside);
+    return 0.5 * (across * across + along * along);
 }
 
 static void exact_fresnel_is_a_dielectrics(void **state)
@@ -169,7 +171,7 @@ static void no_thickness_at_normal_incidence_shows_scene_and_sky(void **state)
         assert_close(color->data[i], w.scene->data[i] * (1 - f) + sky[i % 3] * f, 16 * w.t->eps, 0);
 }
 
-/* ---- attenuation -------------------------------------------------------------------------------------------------------------- */
+/* ---- attenuation ------------------------------------------------------------------------------------------------- */
 
 static void beer_lambert_holds_for_each_channel(void **state)
 {
@@ -202,9 +204,10 @@ static void thick_water_has_its_own_colour(void **state)
     for (int i = 0; i < 3 * W * H; i++) assert_close(color->data[i], fluid[i % 3], 2 * w.t->eps, 0);
 }
 
-/* ---- refraction ---------------------------------------------------------------------------------------------------------------- */
+/* ---- refraction -------------------------------------------------------------------------------------------------- */
 
-/* A scene whose red is the column and whose green is the row, in pixels: the picture tells where it was looked up. Clear water. */
+/* A scene whose red is the column and whose green is the row, in pixels: the picture tells where it was looked up.
+ * Clear water. */
 static void show_places(const water *w)
 {
     test_twin_set(w->t, "attenuation", "single");
@@ -221,7 +224,8 @@ static void assert_place(const test_twin *t, const ssfr_field *color, int x, int
     assert_close(ssfr_field_at(color, x, y)[1], ssfr_clamp(at_y, 0.5, H - 0.5), 64 * W * t->eps, 0);
 }
 
-/* gamma T n times the image's height, in pixels; a normal that leans up looks further up, in rows with lower numbers. */
+/* gamma T n times the image's height, in pixels; a normal that leans up looks further up, in rows with lower numbers.
+ * */
 static void offset_is_gamma_t_n_image_heights(void **state)
 {
     const water w = begin(state);
@@ -254,8 +258,8 @@ static void edge_behind_water_is_displaced(void **state)
     }
 }
 
-/* A slab that faces the eye, seen under angles up to 45 degrees. By Snell the ray goes on under t = asin(sin i / n): after the
- * thickness T it stands T sin t further aside and T cos t further away. */
+/* A slab that faces the eye, seen under angles up to 45 degrees. By Snell the ray goes on under t = asin(sin i / n):
+ * after the thickness T it stands T sin t further aside and T cos t further away. */
 static void snell_displaces_by_the_refracted_ray(void **state)
 {
     const double ior = 1.333, thickness = 0.6;
@@ -314,12 +318,13 @@ static void what_stands_before_the_water_is_not_refracted(void **state)
         for (int x = 0; x < 20; x++) assert_place(w.t, color, x, y, x + 0.5 + shift, y + 0.5);
 }
 
-/* ---- reflection and highlight ----------------------------------------------------------------------------------------------------- */
+/* ---- reflection and highlight ------------------------------------------------------------------------------------ */
 
-/* Half-way between the eye and the light the highlight is k_s; turned away by an angle it falls like its cosine to the alpha. */
+/* Half-way between the eye and the light the highlight is k_s; turned away by an angle it falls like its cosine to the
+ * alpha. */
 static void highlight_is_a_power_of_the_half_angle(void **state)
 {
-    const double light[3] = {cos(40 * pi / 180) * cos(125 * pi / 180), sin(40 * pi / 180), cos(40 * pi / 180) * sin(125 * pi / 180)};
+    const double a = 125 * pi / 180, e = 40 * pi / 180, light[3] = {cos(e) * cos(a), sin(e), cos(e) * sin(a)};
     const water w = begin(state);
     test_twin_set(w.t, "specular", "0.2385");
     test_twin_set(w.t, "shininess", "30");
@@ -352,35 +357,72 @@ static void light_from_behind_makes_no_highlight(void **state)
     for (int i = 0; i < 3 * W * H; i++) assert_close(color->data[i], 1, 2 * w.t->eps, 0);
 }
 
-/* A box as a ceiling behind the eye, and normals that send every view upwards: the ray meets its lower face, which the light over it
- * leaves in the shade. Without it, and without a floor, the scene reflected is the sky. */
-static void scene_reflected_is_what_the_ray_meets(void **state)
+/* Every normal half-way between the view and a direction d of the pixel's own: there the view is mirrored to. */
+static void mirror_to(const water *w, int i, const double d[3])
 {
-    const ssfr_solid ceiling = {.centre = {0, 4, -3}, .half = {50, 0.5, 50}, .colour = {0.9, 0.5, 0.1},
-                                .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    double n[3];
+    view_at(w->t, i % W, i / W, n);
+    for (int k = 0; k < 3; k++) n[k] += d[k];
+    ssfr_normalize(n);
+    memcpy(w->normal->data + 3 * i, n, sizeof n);
+}
+
+static double reflectance_at(const water *w, int i)
+{
+    double v[3];
+    view_at(w->t, i % W, i / W, v);
+    return fresnel(acos(ssfr_dot(v, w->normal->data + 3 * i)), 1.333);
+}
+
+/* Over a black scene the picture is the sky in the mirrored direction, times F. */
+static void sky_is_seen_in_the_mirrored_direction(void **state)
+{
+    static const double horizon[3] = {0.2, 0.4, 0.8};
     const water w = begin(state);
     test_twin_set(w.t, "medium.ior", "1.333");
+    test_twin_set(w.t, "sky.zenith_r", "1");
+    test_twin_set(w.t, "sky.zenith_g", "0");
+    test_twin_set(w.t, "sky.zenith_b", "0");
+    ssfr_field_fill(w.scene, 0);
     for (int i = 0; i < W * H; i++) {
-        double v[3];
-        view_at(w.t, i % W, i / W, v);
-        v[1] += 1; /* half-way between the view and straight up */
-        ssfr_normalize(v);
-        memcpy(w.normal->data + 3 * i, v, sizeof v);
+        const double up = 0.1 + 0.8 * i / (W * H), across = sqrt(1 - up * up);
+        mirror_to(&w, i, (const double[3]){across * sin(i), up, across * cos(i)});
     }
+    const ssfr_field *color = run(&w);
+    for (int i = 0; i < 3 * W * H; i++) {
+        const double s = sqrt(0.1 + 0.8 * (i / 3) / (W * H));
+        const double expected = reflectance_at(&w, i / 3) * ssfr_mix(horizon[i % 3], i % 3 == 0, s);
+        assert_close(color->data[i], expected, 64 * w.t->eps, 0);
+    }
+}
+
+/* A box over the water, and normals that send every view straight up: where the box is overhead the ray meets its
+ * lower face, which the light over it leaves in the shade; elsewhere the sky. */
+static void scene_reflected_is_what_the_ray_meets(void **state)
+{
+    const ssfr_solid above = {.centre = {0.4, 4, z0}, .half = {0.5, 0.5, 9}, .colour = {0.9, 0.5, 0.1},
+                              .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const water w = begin(state);
+    int n_box = 0;
+    test_twin_set(w.t, "medium.ior", "1.333");
+    for (int i = 0; i < W * H; i++) mirror_to(&w, i, (const double[3]){0, 1, 0});
     const ssfr_field *plain = run(&w);
     test_twin_set(w.t, "reflection", "scene");
     assert_true(test_difference(run(&w), plain) < 4 * w.t->eps);
-    w.t->scene.solids = &ceiling, w.t->scene.n_solids = 1;
+    w.t->scene.solids = &above, w.t->scene.n_solids = 1;
     const ssfr_field *color = run(&w);
     for (int i = 0; i < 3 * W * H; i++) {
-        const double f = (1 - plain->data[i]) / (1 - sky[i % 3]), shade = 0.45 * ceiling.colour[i % 3];
-        assert_close(color->data[i], 1 - f + f * shade, 64 * w.t->eps, 0);
+        const bool under = fabs(test_ray_at(w.t, i / 3 % W, 0, 1).u * -z0 - 0.4) < 0.5;
+        const double f = reflectance_at(&w, i / 3), mirrored = under ? 0.45 * above.colour[i % 3] : sky[i % 3];
+        assert_close(color->data[i], 1 - f + f * mirrored, 64 * w.t->eps, 0);
+        n_box += under;
     }
+    assert_true(n_box > 3 * 100 && n_box < 3 * W * H / 2);
     test_twin_set(w.t, "reflection", "sky");
     assert_true(test_same_bits(run(&w), plain));
 }
 
-/* ---- the rest --------------------------------------------------------------------------------------------------------------------- */
+/* ---- the rest ---------------------------------------------------------------------------------------------------- */
 
 static void pixels_without_surface_are_untouched(void **state)
 {
@@ -441,6 +483,7 @@ int main(void)
         TEST_TWINS(what_stands_before_the_water_is_not_refracted),
         TEST_TWINS(highlight_is_a_power_of_the_half_angle),
         TEST_TWINS(light_from_behind_makes_no_highlight),
+        TEST_TWINS(sky_is_seen_in_the_mirrored_direction),
         TEST_TWINS(scene_reflected_is_what_the_ray_meets),
         TEST_TWINS(pixels_without_surface_are_untouched),
         TEST_TWINS(without_fluid_the_scene_shows),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_curvature_flow.c: the flow's rate against eq. 2.14 and against differential geometry; what it keeps, moves and amplifies. */
+/* test_curvature_flow.c: the rate by eq. 2.14 and by differential geometry; what grows, what stays, what spreads. */
 #include "tests/pass_util.h"
 
 /* ---- one step ---------------------------------------------------------------------------------------------------- */
@@ -105,7 +105,8 @@ static double printed_rate(jet k, cell c, bool cross_term)
 static double mean_curvature(jet k, test_ray at)
 {
     const double pu[3] = {-k.u * at.u - k.z, -k.u * at.v, k.u}, pv[3] = {-k.v * at.u, -k.v * at.v - k.z, k.v};
-    const double puu[3] = {-k.uu * at.u - 2 * k.u, -k.uu * at.v, k.uu}, pvv[3] = {-k.vv * at.u, -k.vv * at.v - 2 * k.v, k.vv};
+    const double puu[3] = {-k.uu * at.u - 2 * k.u, -k.uu * at.v, k.uu};
+    const double pvv[3] = {-k.vv * at.u, -k.vv * at.v - 2 * k.v, k.vv};
     const double puv[3] = {-k.uv * at.u - k.v, -k.uv * at.v - k.u, k.uv};
     double n[3];
     ssfr_cross(pu, pv, n);
@@ -189,9 +190,9 @@ static void constant_depth_is_a_fixed_point(void **state)
     }
 }
 
-/* z0 + a cos(kx x) cos(ky y) with x, y from the corner in pixels: the image's border mirrors it, so it is a mode of the whole image.
- * One step multiplies it by 1 - dt (2 (1 - cos kx) / C_x + 2 (1 - cos ky) / C_y) / (2 |z|). What is not linear makes other modes,
- * and is a / |z| as large; floats hold only larger amplitudes. */
+/* z0 + a cos(kx x) cos(ky y) with x, y from the corner in pixels: the image's border mirrors it, so it is a mode of
+ * the whole image. One step multiplies it by 1 - dt (2 (1 - cos kx) / C_x + 2 (1 - cos ky) / C_y) / (2 |z|). What is
+ * not linear makes other modes, and is a / |z| as large; floats hold only larger amplitudes. */
 static void cosines_decay_at_the_discrete_rate(void **state)
 {
     static const int modes[][2] = {{1, 0}, {0, 3}, {7, 4}, {20, 23}, {31, 0}};
@@ -258,8 +259,8 @@ static double roughness(const ssfr_field *depth, double z0)
     return largest;
 }
 
-/* At the share s of the bound a checkerboard is multiplied by 1 - 2 s: it decays below 1 and grows above, and the limit of each
- * pixel's own step keeps it from growing. */
+/* At the share s of the bound a checkerboard is multiplied by 1 - 2 s: it decays below 1 and grows above, and the
+ * limit of each pixel's own step keeps it from growing. */
 static void checkerboard_grows_only_beyond_the_bound(void **state)
 {
     test_twin *t = begin(state, 32, 24, 0.5, 1.6);
@@ -300,8 +301,8 @@ static double growth(test_twin *t, surface *z)
     return test_difference(flow(t, noisy, 40, 1e9), flow(t, plain, 40, 1e9)) / before;
 }
 
-/* For pixels of any shape, in both forms, on surfaces that face the eye, the ray, or neither, in a view of 127 degrees. In floats
- * there is noise enough already. */
+/* For pixels of any shape, in both forms, on surfaces that face the eye, the ray, or neither, in a view of 127
+ * degrees. In floats there is noise enough already. */
 static void limit_is_safe_for_every_form_and_pixel(void **state)
 {
     static surface *const surfaces[] = {facing, around_the_eye, leaning};
@@ -332,7 +333,8 @@ static void limit_is_each_pixels_own(void **state)
     const ssfr_field *left = flow(t, depth, 1, 0.9 * bound(t, 1.5)), *right = flow(t, depth, 1, 0.9 * bound(t, 6));
     for (int i = 0; i < 32 * 24; i++) {
         const double expected = i % 32 < 16 ? left->data[i] : right->data[i];
-        assert_close(limited->data[i] - depth->data[i], expected - depth->data[i], 8 * t->eps, 2e-3); /* z varies by 1e-3 */
+        /* Each pixel's own depth, and so its own bound, varies by 1e-3. */
+        assert_close(limited->data[i] - depth->data[i], expected - depth->data[i], 8 * t->eps, 2e-3);
     }
     assert_true(test_difference(limited, depth) > 1e-4);
 }
@@ -387,7 +389,8 @@ static ssfr_field *cliff(double far_side, bool holes)
     return depth;
 }
 
-/* What lies beyond a step is not seen at all: moving it changes no bit on this side, and each side smooths by itself. */
+/* What lies beyond a step is not seen at all: moving it changes no bit on this side, and each side smooths by itself.
+ * */
 static void nothing_crosses_a_step_beyond_the_falloff(void **state)
 {
     static const char *const forms[] = {"0", "1"};
@@ -452,8 +455,8 @@ static double seen_curvature(void **state, surface *z, int w)
     return largest;
 }
 
-/* The depth of a plane is a rational function of the pixel, so differences err by the square of a pixel. In floats the rounding of z
- * over the square of a pixel takes over at once: there the bound alone is tested. */
+/* The depth of a plane is a rational function of the pixel, so differences err by the square of a pixel. In floats the
+ * rounding of z over the square of a pixel takes over at once: there the bound alone is tested. */
 static void tilted_plane_is_a_fixed_point_off_the_axis(void **state)
 {
     const test_twin *t = begin(state, 16, 16, 0.5, 1);

@@ -43,8 +43,8 @@ static test_twin *begin(void **state, const char *factor)
     return t;
 }
 
-/* Depths are sums of eighths, exact in both twins; a mean divides, which rounds once, or thrice where the GPU multiplies by an
- * inverse. */
+/* Depths are sums of eighths, exact in both twins; a mean divides, which rounds once, or thrice where the GPU
+ * multiplies by an inverse. */
 static void each_rule_gives_what_a_hand_finds(void **state)
 {
     for (size_t i = 0; i < SSFR_COUNT(rows); i++) {
@@ -74,7 +74,8 @@ static void factor_1_copies(void **state)
     for (size_t i = 0; i < SSFR_COUNT(rules); i++) {
         test_twin_set(t, "rule", "%s", rules[i]);
         const ssfr_field *low = test_twin_run(t, "low");
-        for (int k = 0; k < W * H; k++) assert_true(low->data[k] == -image[k / W][k % W] || low->data[k] < -SSFR_SURFACE);
+        for (int k = 0; k < W * H; k++)
+            assert_true(low->data[k] == -image[k / W][k % W] || low->data[k] < -SSFR_SURFACE);
         assert_int_equal(test_count(low), 18);
     }
 }

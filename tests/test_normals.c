@@ -90,15 +90,17 @@ static void plane_that_faces_the_eye_has_normal_0_0_1(void **state)
     }
 }
 
-/* The depth of a plane is a rational function of the pixel: central differences err by the square of a pixel, and one-sided ones,
- * at the image's border, by a pixel. In floats rounding grows with the resolution instead, and bounds the error. */
+/* The depth of a plane is a rational function of the pixel: central differences err by the square of a pixel, and
+ * one-sided ones, at the image's border, by a pixel. In floats rounding grows with the resolution instead, and bounds
+ * the error. */
 static void tilted_plane_is_right_to_second_order_and_at_the_border_to_first(void **state)
 {
     double inner = 0, outer = 0;
     for (int w = 16; w <= 128; w *= 2) {
         test_twin *t = begin(state, w, w, 0.8, 0.5);
         const ssfr_field *normals = run(t, draw(t, tilted, 1));
-        const double in = error(t, normals, tilted_normal, 1, INSIDE), out = error(t, normals, tilted_normal, 1, BORDER);
+        const double in = error(t, normals, tilted_normal, 1, INSIDE);
+        const double out = error(t, normals, tilted_normal, 1, BORDER);
         const double pixel = 1.6 / w;
         assert_true(in < 0.5 * pixel * pixel + rounding(t));
         assert_true(out < 0.6 * pixel + rounding(t));
@@ -142,7 +144,7 @@ static void printed_normal_is_right_on_the_axis_alone(void **state)
     assert_true(apart(ssfr_field_at(normals, 64, 1), n) > 0.05);
 }
 
-/* ---- spheres ------------------------------------------------------------------------------------------------------- */
+/* ---- spheres ----------------------------------------------------------------------------------------------------- */
 
 static const double centre[3] = {0.5, -0.4, -6}, radius = 2.385;
 
@@ -169,10 +171,10 @@ static void sphere_is_right_to_second_order(void **state)
     }
 }
 
-/* ---- silhouettes ----------------------------------------------------------------------------------------------------- */
+/* ---- silhouettes ------------------------------------------------------------------------------------------------- */
 
-/* A step of 2 m beyond the falloff of 1 m: the smaller difference takes each side for itself, the central one leans by half the
- * step over a pixel. A step within the falloff is a slope. */
+/* A step of 2 m beyond the falloff of 1 m: the smaller difference takes each side for itself, the central one leans by
+ * half the step over a pixel. A step within the falloff is a slope. */
 static void smaller_difference_does_not_look_across_a_silhouette(void **state)
 {
     test_twin *t = begin(state, 33, 25, 0.7, 0.5);
@@ -225,7 +227,8 @@ static void isolated_pixel_faces_the_eye(void **state)
     }
 }
 
-/* Whatever the depths are: |n| = 1 and n faces the eye, because it is normal to two edges whose plane has the eye before it. */
+/* Whatever the depths are: |n| = 1 and n faces the eye, because it is normal to two edges whose plane has the eye
+ * before it. */
 static void any_depth_gives_unit_normals_towards_the_eye(void **state)
 {
     uint64_t random = 13;

@@ -27,6 +27,12 @@ static double chord(double radius, double miss)
     return miss < radius ? 2 * sqrt((radius - miss) * (radius + miss)) : 0;
 }
 
+/* Length along a ray over length along the view axis. */
+static double slant(test_ray ray)
+{
+    return sqrt(1 + ray.u * ray.u + ray.v * ray.v);
+}
+
 static const double places[][3] = {{0, 0, -3}, {0.6, -0.45, -2.385}, {-0.9, 0.7, -2.1}};
 
 /* ---- the kernel along the ray ------------------------------------------------------------------------------------ */
@@ -49,14 +55,16 @@ static void exact_chord_is_the_length_of_the_ray_in_the_sphere(void **state)
 }
 
 /* An orthographic disc: 2 R sqrt(1 - a^2 - b^2), times e^(-2 r^2) with the exponential kernel. */
-static void assert_disc(const test_twin *t, const ssfr_field *thickness, const double c[3], double radius, bool exponential)
+static void assert_disc(const test_twin *t, const ssfr_field *thickness, const double c[3], double radius,
+                        bool exponential)
 {
     for (int y = 0; y < thickness->h; y++)
         for (int x = 0; x < thickness->w; x++) {
             const test_ray ray = test_ray_at(t, x, y, 1);
             const double a = (ray.u + c[0] / c[2]) * -c[2], b = (ray.v + c[1] / c[2]) * -c[2];
-            const double miss = sqrt(a * a + b * b), kernel = exponential ? exp(-2 * miss * miss / (radius * radius)) : 1;
-            assert_close(*ssfr_field_at(thickness, x, y), kernel * chord(radius, miss), allowed(t->eps, c, radius, miss), 0);
+            const double miss = sqrt(a * a + b * b), tolerance = allowed(t->eps, c, radius, miss);
+            const double kernel = exponential ? exp(-2 * miss * miss / (radius * radius)) : 1;
+            assert_close(*ssfr_field_at(thickness, x, y), kernel * chord(radius, miss), tolerance, 0);
         }
 }
 
@@ -125,7 +133,8 @@ static double volume(const test_twin *t, const ssfr_field *thickness, double dis
     return sum * 4 * c->tan_x * c->tan_y / (c->w * c->h) * distance * distance;
 }
 
-/* The kernel ends like a root at its rim: the mean over pixels errs by about (pixel / R)^(3/2), and by chance less. Radius 41 px. */
+/* The kernel ends like a root at its rim: the mean over pixels errs by about (pixel / R)^(3/2), and by chance less.
+ * Radius 41 px. */
 #define QUADRATURE 1e-3
 
 static void chord_kernel_keeps_the_volume_of_the_sphere(void **state)
@@ -181,7 +190,8 @@ static void radius_scale_spreads_the_same_volume(void **state)
 
 /* ---- before and behind the scene --------------------------------------------------------------------------------- */
 
-/* A wall before, through and behind the sphere. Whole: all of the chord where the front is before the wall; clipped: what is. */
+/* A wall before, through and behind the sphere. Whole: all of the chord where the front is before the wall; clipped:
+ * what is. */
 static void wall_takes_what_is_behind_it(void **state)
 {
     static const double walls[] = {-2.4, -2.8, -3, -3.17, -3.6};
@@ -201,7 +211,7 @@ static void wall_takes_what_is_behind_it(void **state)
                 const bool shows = hit.miss < 0.5 && hit.front > walls[k];
                 const double before = shows ? hit.front - fmax(hit.back, walls[k]) : 0;
                 assert_close(*ssfr_field_at(whole, x, y), shows ? chord(0.5, hit.miss) : 0, tolerance, 0);
-                assert_close(*ssfr_field_at(clipped, x, y), before * sqrt(1 + ray.u * ray.u + ray.v * ray.v), tolerance, 0);
+                assert_close(*ssfr_field_at(clipped, x, y), before * slant(ray), tolerance, 0);
             }
     }
 }
@@ -231,7 +241,7 @@ static void eye_inside_a_sphere_looks_through_what_is_before_it(void **state)
             for (int x = 0; x < 40; x++) {
                 const test_ray ray = test_ray_at(t, x, y, 1);
                 const double visible = -0.01 - test_meet(c, 1, ray).back;
-                assert_close(*ssfr_field_at(thickness, x, y), visible * sqrt(1 + ray.u * ray.u + ray.v * ray.v), 0, 32 * t->eps);
+                assert_close(*ssfr_field_at(thickness, x, y), visible * slant(ray), 0, 32 * t->eps);
             }
     }
 }

@@ -71,13 +71,15 @@ static void linear_and_cubic_reproduce_a_slope(void **state)
             const int n = factors[k];
             const ssfr_field *surface = run(t, filters[f], sample(slope, n));
             for (int y = 0; y < H; y++)
-                for (int x = 0; x < W; x++)
-                    if (inside(x, y, n))
-                        assert_close(*ssfr_field_at(surface, x, y), slope((x + 0.5) / n - 0.5, (y + 0.5) / n - 0.5), 0, 8 * t->eps);
+                for (int x = 0; x < W; x++) {
+                    const double expected = slope((x + 0.5) / n - 0.5, (y + 0.5) / n - 0.5);
+                    if (inside(x, y, n)) assert_close(*ssfr_field_at(surface, x, y), expected, 0, 8 * t->eps);
+                }
         }
 }
 
-/* Between samples a fraction s apart from the left one, linear weights have the variance s (1 - s); B-splines 1/3 everywhere. */
+/* Between samples a fraction s apart from the left one, linear weights have the variance s (1 - s); B-splines 1/3
+ * everywhere. */
 static void filters_add_their_variance_to_a_parabola(void **state)
 {
     test_twin *t = begin(state, -2.4);
@@ -88,7 +90,8 @@ static void filters_add_their_variance_to_a_parabola(void **state)
             for (int x = 0; x < W; x++) {
                 const double u = (x + 0.5) / n - 0.5, v = (y + 0.5) / n - 0.5, s = u - floor(u), r = v - floor(v);
                 if (!inside(x, y, n)) continue;
-                assert_close(*ssfr_field_at(linear, x, y), bowl(u, v) + 0.00031 * s * (1 - s) + 0.00017 * r * (1 - r), 0, 8 * t->eps);
+                const double added = 0.00031 * s * (1 - s) + 0.00017 * r * (1 - r);
+                assert_close(*ssfr_field_at(linear, x, y), bowl(u, v) + added, 0, 8 * t->eps);
                 assert_close(*ssfr_field_at(cubic, x, y), bowl(u, v) + (0.00031 + 0.00017) / 3, 0, 8 * t->eps);
             }
     }
@@ -101,11 +104,13 @@ static void nearest_repeats_each_low_pixel(void **state)
         const int n = factors[k];
         const ssfr_field *low = sample(bowl, n), *surface = run(t, "nearest", low);
         for (int y = 0; y < H; y++)
-            for (int x = 0; x < W; x++) assert_close(*ssfr_field_at(surface, x, y), *ssfr_field_at(low, x / n, y / n), 0, t->eps);
+            for (int x = 0; x < W; x++)
+                assert_close(*ssfr_field_at(surface, x, y), *ssfr_field_at(low, x / n, y / n), 0, t->eps);
     }
 }
 
-/* The guide steps in the middle of a low pixel, which belongs to the near side: the far side takes its depth from further off. */
+/* The guide steps in the middle of a low pixel, which belongs to the near side: the far side takes its depth from
+ * further off. */
 static void nothing_bleeds_across_a_step(void **state)
 {
     test_twin *t = begin(state, 0);

@@ -44,7 +44,8 @@ static const ssfr_uniform uniforms[] = {
     {NULL, 0, 0},
 };
 
-/* The largest step, at |z| = 1, under which no ripple grows on a surface that faces the eye: checkerboards are the first to. */
+/* The largest step, at |z| = 1, under which no ripple grows on a surface that faces the eye: checkerboards are the
+ * first to. */
 static double stability_bound(const double c[2], bool off_axis)
 {
     const double product = c[0] * c[1];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* downsample_cpu.c: one pixel from a block of factor x factor, in double. Block (x, y) starts at factor (x, y); at the right and
- * bottom border it may reach over the image, where there is no surface; its middle is brought back into the image. */
+/* downsample_cpu.c: one pixel from a block of factor x factor, in double. Block (x, y) starts at factor (x, y); at the
+ * right and bottom border it may reach over the image, where there is no surface; its middle is brought back into the
+ * image. */
 #include "passes/downsample.h"
 
 static double depth_at(const ssfr_field *f, int x, int y)
