@@ -26,9 +26,10 @@ for test in "$@" "$here"/test_*.sh; do
     *) timeout 300 "$test" >"$log" 2>&1 ;;
     esac
     status=$?
+    # cmocka names a failed and a skipped test twice
     p=$(grep -cE '^(\[       OK \]|ok - )' "$log")
-    f=$(grep -cE '^(\[  FAILED  \] [a-z]|not ok - )' "$log")
-    s=$(grep -cE '^\[  SKIPPED \] [a-z]' "$log")
+    f=$(grep -E '^(\[  FAILED  \] [a-z]|not ok - )' "$log" | sort -u | wc -l)
+    s=$(grep -E '^\[  SKIPPED \] [a-z]' "$log" | sort -u | wc -l)
     if [ $status -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
     if [ $status -eq 0 ] && [ $((p + f + s)) -eq 0 ]; then f=1; fi
     printf '%-22s %4d passed %3d failed %3d skipped  %3d s\n' "$(basename "$test")" "$p" "$f" "$s" $(($(date +%s) - start))
