@@ -1,0 +1,328 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* test_extremes.c: views, scenes and parameters at the edge: every image stays finite, and the backends agree. */
+#include "tests/frames.h"
+
+/* ---- scenes and views -------------------------------------------------------------------------------------------- */
+
+static const double place[3] = {0.35, 0.62, 1.25}, aim[3] = {0, 0.2, 0};
+
+static void usual(test_scene *s)
+{
+    test_scene_create_usual(s, 96, 64);
+}
+
+static void no_particle_in_the_frustum(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, place, (const double[3]){3, 2, 1}, 30, 96, 64);
+}
+
+static void all_behind_the_eye(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, place, (const double[3]){0.7, 1, 3}, 45, 96, 64);
+}
+
+static void a_particle_that_contains_the_eye(test_scene *s)
+{
+    test_scene_create(s, 3, (const double[]){0, 0.5, 0, 0.1, 0.5, -0.9, -0.3, 0.6, -1.5}, 0.2);
+    test_scene_look(s, (const double[3]){0.01, 0.52, 0.02}, (const double[3]){0, 0.45, -1}, 60, 96, 64);
+}
+
+static void an_eye_deep_in_the_fluid(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, (const double[3]){0.013, 0.21, 0.007}, (const double[3]){1, 0.3, -0.2}, 90, 96, 64);
+    s->scene.camera.near = 1e-3;
+}
+
+static void radii_under_a_hundredth_of_a_pixel(test_scene *s)
+{
+    usual(s);
+    s->particles->radius = 0.008 * 2 * tan(acos(-1) / 8) / 64; /* at 1 m */
+}
+
+static void radii_over_the_whole_screen(test_scene *s)
+{
+    usual(s);
+    s->particles->radius = 2;
+    test_scene_look(s, (const double[3]){0, 1, 6}, (const double[3]){0, 0.2, 0}, 15, 96, 64);
+}
+
+static void one_pixel(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, place, aim, 45, 1, 1);
+}
+
+static void one_row(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, place, aim, 0.5, 4096, 1);
+}
+
+static void one_column(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, place, aim, 120, 1, 4096);
+}
+
+static void odd_sizes(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, place, aim, 45, 37, 23);
+}
+
+static void a_view_of_1_degree(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, (const double[3]){10, 15, 40}, (const double[3]){0, 0.2, 0}, 1, 96, 64);
+}
+
+static void a_view_of_170_degrees(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, (const double[3]){0.1, 0.5, 0.45}, (const double[3]){0, 0.2, 0}, 170, 96, 64);
+}
+
+static void a_near_plane_of_a_micrometre(test_scene *s)
+{
+    usual(s);
+    s->scene.camera.near = 1e-6, s->scene.camera.far = 1e12;
+}
+
+static void a_near_plane_that_cuts_the_fluid(test_scene *s)
+{
+    usual(s);
+    s->scene.camera.near = 1.2, s->scene.camera.far = 1.2000001;
+}
+
+static void an_eye_a_kilometre_away(test_scene *s)
+{
+    usual(s);
+    test_scene_look(s, (const double[3]){350, 620, 1250}, aim, 0.05, 96, 64);
+}
+
+static void particles_that_all_stand_at_one_place(test_scene *s)
+{
+    double positions[3 * 40];
+    for (int i = 0; i < 120; i++) positions[i] = 0.2385;
+    test_scene_create(s, 40, positions, 0.05);
+    test_scene_look(s, place, aim, 45, 96, 64);
+}
+
+static void an_eye_inside_a_solid(test_scene *s)
+{
+    usual(s);
+    for (int k = 0; k < 3; k++) s->solids[0].centre[k] = place[k] + 0.01;
+}
+
+static void a_view_straight_down(test_scene *s)
+{
+    usual(s);
+    /* Not over a corner of the tiles: there both sides of an edge would fall on the middles of pixels. */
+    test_scene_look(s, (const double[3]){0.013, 2, 0.007}, (const double[3]){0.013, 0.2, 0.0069999}, 45, 96, 64);
+}
+
+static void a_floor_through_the_eye(test_scene *s)
+{
+    usual(s);
+    s->scene.floor = place[1];
+}
+
+static void no_floor(test_scene *s)
+{
+    usual(s);
+    s->scene.floor = -INFINITY;
+}
+
+typedef struct extreme {
+    const char *name;
+    void (*create)(test_scene *);
+    const char *settings[4];
+} extreme;
+
+#define SCENE(name) {#name, name, {NULL}}
+#define PARAMS(...) {#__VA_ARGS__, usual, {__VA_ARGS__, NULL}}
+
+static const extreme views[] = {
+    SCENE(no_particle_in_the_frustum), SCENE(all_behind_the_eye), SCENE(a_particle_that_contains_the_eye),
+    SCENE(an_eye_deep_in_the_fluid), SCENE(radii_under_a_hundredth_of_a_pixel), SCENE(radii_over_the_whole_screen),
+    SCENE(one_pixel), SCENE(one_row), SCENE(one_column), SCENE(odd_sizes), SCENE(a_view_of_1_degree),
+    SCENE(a_view_of_170_degrees), SCENE(a_near_plane_of_a_micrometre), SCENE(a_near_plane_that_cuts_the_fluid),
+    SCENE(an_eye_a_kilometre_away), SCENE(particles_that_all_stand_at_one_place), SCENE(an_eye_inside_a_solid),
+    SCENE(a_view_straight_down), SCENE(a_floor_through_the_eye), SCENE(no_floor),
+    {"odd sizes at an eighth", odd_sizes, {"downsample.factor=8", NULL}},
+    {"one pixel at an eighth", one_pixel, {"downsample.factor=8", NULL}},
+};
+
+static const extreme params[] = {
+    PARAMS("curvature_flow.iterations=0"),
+    PARAMS("curvature_flow.iterations=2000"),
+    PARAMS("curvature_flow.step=100"),
+    PARAMS("curvature_flow.step=1e-6"),
+    PARAMS("curvature_flow.dt=1e12"),
+    PARAMS("curvature_flow.depth_falloff=0", "normals.depth_falloff=0", "upsample.depth_falloff=0"),
+    PARAMS("curvature_flow.depth_falloff=1e6", "normals.depth_falloff=1e6", "upsample.depth_falloff=1e6"),
+    PARAMS("medium.ior=1"),
+    PARAMS("medium.ior=1", "composite.fresnel=exact", "composite.refraction=snell"),
+    PARAMS("medium.ior=4", "composite.fresnel=exact", "composite.refraction=snell"),
+    PARAMS("medium.absorption_r=1e6", "medium.absorption_g=1e6", "medium.absorption_b=1e6"),
+    PARAMS("medium.absorption_r=0", "medium.absorption_g=0", "medium.absorption_b=0"),
+    PARAMS("composite.attenuation=single", "composite.k=1e6"),
+    PARAMS("composite.gamma=0"),
+    PARAMS("composite.gamma=1000"),
+    PARAMS("composite.shininess=1", "composite.specular=1"),
+    PARAMS("composite.shininess=1e5"),
+    PARAMS("sphere_depth.radius_scale=0.01", "thickness.radius_scale=0.01"),
+    PARAMS("sphere_depth.radius_scale=100", "sphere_depth.splat=quad"),
+    PARAMS("thickness.radius_scale=100", "thickness.splat=exact"),
+    PARAMS("sphere_depth.splat=point", "sphere_depth.max_point_px=1"),
+    PARAMS("thickness.scale=0"),
+    PARAMS("noise_normals.height=0.3", "surface_noise.frequency=0"),
+    PARAMS("noise_normals.height=0.3", "surface_noise.sharpness=64"),
+    PARAMS("noise_normals.height=0.3", "surface_noise.depth_falloff=1e6"),
+    PARAMS("light.elevation_deg=90"),
+    PARAMS("light.elevation_deg=-90", "light.intensity=0"),
+    PARAMS("floor.tile=1e6"),
+    PARAMS("floor.tile=1e-6"),
+    PARAMS("floor.haze=1e-6"),
+    PARAMS("floor.haze=1e9"),
+};
+
+static const extreme unstable[] = {
+    PARAMS("curvature_flow.limit=0", "curvature_flow.step=2", "curvature_flow.iterations=500"),
+    PARAMS("curvature_flow.limit=0", "curvature_flow.step=100"),
+    PARAMS("curvature_flow.limit=0", "curvature_flow.step=100", "curvature_flow.off_axis=1"),
+    PARAMS("curvature_flow.limit=0", "curvature_flow.dt=1e12"),
+    PARAMS("noise_normals.height=100", "surface_noise.frequency=64"),
+    PARAMS("composite.specular=100", "light.intensity=1000"),
+};
+
+/* ---- finite, and the same on both backends ----------------------------------------------------------------------- */
+
+static void assert_finite(const ssfr_graph *graph, const char *name)
+{
+    for (int i = 0; ssfr_graph_slot_at(graph, i); i++) {
+        const char *slot = ssfr_graph_slot_at(graph, i);
+        ssfr_field *field = test_graph_read(graph, slot);
+        const int n = field->w * field->h * field->c;
+        for (int k = 0; k < n; k++)
+            if (!isfinite(field->data[k])) fail_msg("%s: value %d of %s is %g", name, k, slot, field->data[k]);
+        ssfr_field_destroy(&field);
+    }
+}
+
+/* The picture of an extreme, with every image made and found finite. */
+static ssfr_field *draw(const extreme *e, ssfr_gl *gl, const ssfr_scene *scene, const char *splat)
+{
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), gl);
+    if (splat)
+        for (int i = 0; i < 3; i++) {
+            static const char *const keys[] = {"sphere_depth.splat", "thickness.splat", "surface_noise.splat"};
+            assert_int_equal(ssfr_graph_set(graph, keys[i], splat), SSFR_OK);
+        }
+    test_graph_set(graph, e->settings);
+    ssfr_graph_want_all(graph, true);
+    ssfr_field *picture = test_graph_picture(graph, scene, "color", false);
+    assert_finite(graph, e->name);
+    ssfr_graph_destroy(&graph);
+    return picture;
+}
+
+static void assert_agree(const extreme *extremes, size_t n, const char *splat, ssfr_gl *gl)
+{
+    for (size_t i = 0; i < n; i++) {
+        test_scene s;
+        extremes[i].create(&s);
+        ssfr_field *cpu = draw(&extremes[i], NULL, &s.scene, splat), *gpu = draw(&extremes[i], gl, &s.scene, splat);
+        const double psnr = test_psnr(gpu, cpu);
+        if (!(psnr > 45)) fail_msg("%s, %s: %g dB", extremes[i].name, splat ? splat : "", psnr);
+        ssfr_field_destroy(&gpu);
+        ssfr_field_destroy(&cpu);
+        test_scene_destroy(&s);
+    }
+}
+
+/* With GL NULL the CPU twins are compared with themselves: this finds what is not finite without a GPU. */
+static void extreme_views_are_finite_and_agree(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    static const char *const forms[] = {"point", "quad", "exact"};
+    for (size_t i = 0; i < SSFR_COUNT(forms); i++) assert_agree(views, SSFR_COUNT(views), forms[i], gl);
+}
+
+static void extreme_parameters_are_finite_and_agree(void **state)
+{
+    assert_agree(params, SSFR_COUNT(params), NULL, test_backend(state));
+}
+
+static void what_is_beyond_all_bounds_stays_finite(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    for (size_t i = 0; i < SSFR_COUNT(unstable); i++) {
+        test_scene s;
+        unstable[i].create(&s);
+        ssfr_field_destroy(&(ssfr_field *){draw(&unstable[i], gl, &s.scene, NULL)});
+        test_scene_destroy(&s);
+    }
+}
+
+/* ---- far from the origin ----------------------------------------------------------------------------------------- */
+
+/* The usual scene moved by whole periods of the floor. */
+static void create_far(test_scene *s, const double away[3])
+{
+    double eye[3], target[3], middle[3];
+    for (int k = 0; k < 3; k++)
+        eye[k] = away[k] + place[k], target[k] = away[k] + aim[k], middle[k] = away[k] + (double[3]){0, 0.22, 0}[k];
+    test_scene_create_block(s, (const int[3]){12, 6, 6}, middle, 0.04);
+    test_scene_look(s, eye, target, 45, 96, 64);
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 3; k++) s->solids[i].centre[k] += away[k];
+    s->scene.floor = away[1];
+}
+
+static void a_thousand_kilometres_from_the_origin_the_picture_is_the_same(void **state)
+{
+    static const double places[][3] = {{1e6, 0, 0}, {-8e5, 1e6, 4e5}, {1e6, -1e6, 1e6}};
+    ssfr_gl *gl = test_backend(state);
+    const extreme plain = {"far", usual, {"noise_normals.height=0", NULL}};
+    test_scene s;
+    create_far(&s, (const double[3]){0, 0, 0});
+    ssfr_field *expected = draw(&plain, gl, &s.scene, NULL);
+    test_scene_destroy(&s);
+    for (size_t i = 0; i < SSFR_COUNT(places); i++) {
+        create_far(&s, places[i]);
+        ssfr_field *got = draw(&plain, gl, &s.scene, NULL);
+        if (!(test_psnr(got, expected) > 50)) fail_msg("place %zu: %g dB", i, test_psnr(got, expected));
+        ssfr_field_destroy(&got);
+        test_scene_destroy(&s);
+    }
+    ssfr_field_destroy(&expected);
+}
+
+/* ---- large ------------------------------------------------------------------------------------------------------- */
+
+static void an_image_of_8192_by_8192_pixels_is_finite(void **state)
+{
+    if (!getenv("SSFR_BIG")) skip();
+    const extreme large = {"large", usual, {NULL}};
+    test_scene s;
+    usual(&s);
+    test_scene_look(&s, place, aim, 45, 8192, 8192);
+    ssfr_field_destroy(&(ssfr_field *){draw(&large, test_backend(state), &s.scene, "quad")});
+    test_scene_destroy(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        ON_BOTH(extreme_views_are_finite_and_agree),
+        ON_BOTH(extreme_parameters_are_finite_and_agree),
+        ON_BOTH(what_is_beyond_all_bounds_stays_finite),
+        ON_BOTH(a_thousand_kilometres_from_the_origin_the_picture_is_the_same),
+        ON_BOTH(an_image_of_8192_by_8192_pixels_is_finite),
+    };
+    return cmocka_run_group_tests(tests, test_capture_log, test_shared_gl_destroy);
+}
