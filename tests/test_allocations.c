@@ -105,11 +105,12 @@ static void a_frame_allocates_nothing_after_the_first(void **state)
 
 static void parameters_of_the_same_sizes_allocate_nothing(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     static const char *const keys[] = {"medium.ior=1.5", "curvature_flow.iterations=7", "composite.fresnel=exact",
                                        "sphere_depth.radius_scale=2", "noise_normals.height=0", "light.azimuth_deg=10"};
     test_scene s;
     test_scene_create_usual(&s, 96, 64);
-    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), test_backend(state));
+    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), gl);
     test_graph_set(graph, (const char *[]){"noise_normals.height=0.3", NULL});
     run_and_count(graph, &s.scene, NULL);
     for (size_t i = 0; i < SSFR_COUNT(keys); i++) {
@@ -123,10 +124,11 @@ static void parameters_of_the_same_sizes_allocate_nothing(void **state)
 
 static void other_particles_of_the_same_number_cost_one_upload(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     test_scene s, other;
     test_scene_create_usual(&s, 96, 64);
     test_scene_create_usual(&other, 96, 64);
-    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), test_backend(state));
+    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), gl);
     run_and_count(graph, &s.scene, NULL);
     assert_int_equal(run_and_count(graph, &other.scene, NULL), 0);
     assert_int_equal(ssfr_graph_report(graph)->allocations, *state ? 1 : 0);
@@ -220,9 +222,10 @@ static void running_out_while_a_context_is_made_is_an_error(void **state)
 
 static void running_out_in_reading_and_giving_is_an_error(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     test_scene s;
     test_scene_create_usual(&s, 37, 23);
-    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), test_backend(state));
+    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), gl);
     ssfr_field *color = test_image(37, 23, 3, 0.5), *read = NULL;
     run_and_count(graph, &s.scene, NULL);
     bool failed = true;

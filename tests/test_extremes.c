@@ -307,11 +307,12 @@ static void a_thousand_kilometres_from_the_origin_the_picture_is_the_same(void *
 static void an_image_of_8192_by_8192_pixels_is_finite(void **state)
 {
     if (!getenv("SSFR_BIG")) skip();
+    ssfr_gl *gl = test_backend(state);
     const extreme large = {"large", usual, {NULL}};
     test_scene s;
     usual(&s);
     test_scene_look(&s, place, aim, 45, 8192, 8192);
-    ssfr_field_destroy(&(ssfr_field *){draw(&large, test_backend(state), &s.scene, "quad")});
+    ssfr_field_destroy(&(ssfr_field *){draw(&large, gl, &s.scene, "quad")});
     test_scene_destroy(&s);
 }
 

@@ -260,7 +260,8 @@ static void a_pipeline_may_have_32_nodes_and_no_more_images_than_fit(void **stat
 
 static void unknown_images_are_errors(void **state)
 {
-    ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+    ssfr_gl *gl = test_backend(state);
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
     ssfr_field *field = test_image(4, 4, 1, 0), *got = field;
     assert_fails(SSFR_ERR_UNKNOWN, ssfr_graph_want(graph, "colour"), "colour: pipeline vanderlaan2009 has no such");
     assert_fails(SSFR_ERR_UNKNOWN, ssfr_graph_import(graph, "", field), "has no such image");
@@ -268,7 +269,7 @@ static void unknown_images_are_errors(void **state)
     assert_null(got);
     ssfr_field_destroy(&field);
     ssfr_graph_destroy(&graph);
-    graph = test_graph(&twice, test_backend(state));
+    graph = test_graph(&twice, gl);
     assert_fails(SSFR_ERR_UNKNOWN, ssfr_graph_want(graph, "color"), "color: pipeline twice has no such image");
     ssfr_graph_destroy(&graph);
 }
@@ -447,11 +448,12 @@ static void given_images_of_wrong_shape_are_refused(void **state)
 
 static void one_pixel_given_serves_the_whole_frame(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     test_scene s;
     test_scene_create_usual(&s, 64, 48);
     ssfr_field *pictures[2];
     for (int i = 0; i < 2; i++) {
-        ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+        ssfr_graph *graph = test_graph(van_der_laan(), gl);
         const int w = i ? 64 : 1, h = i ? 48 : 1;
         ssfr_field *color = test_image(w, h, 3, 0.25), *thick = test_image(w, h, 1, 0.385);
         assert_int_equal(ssfr_graph_import(graph, "scene_color", color), SSFR_OK);
@@ -474,11 +476,12 @@ static const char *const known_step[] = {"curvature_flow.dt=2e-4", "downsample.f
 /* The images that a frame with particles makes, given to a frame without: the picture is the same. */
 static void given_fluid_needs_no_particles(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     static const char *const slots[] = {"fluid_depth", "thickness"};
     test_scene s;
     test_scene_create_usual(&s, 64, 48);
-    ssfr_graph *with = test_graph(van_der_laan(), test_backend(state));
-    ssfr_graph *without = test_graph(van_der_laan(), test_backend(state));
+    ssfr_graph *with = test_graph(van_der_laan(), gl);
+    ssfr_graph *without = test_graph(van_der_laan(), gl);
     test_graph_set(with, known_step);
     test_graph_set(without, known_step);
     ssfr_field *expected = test_graph_picture(with, &s.scene, "color", false);
@@ -503,9 +506,10 @@ static void given_fluid_needs_no_particles(void **state)
 /* The step of the curvature flow refers to the distance of what is given, not to the near plane. */
 static void given_depth_tells_how_far_the_fluid_is(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     test_scene s;
     test_scene_create_usual(&s, 64, 48);
-    ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
     ssfr_field *depth = test_image(64, 48, 1, -SSFR_EMPTY), *smooth[2];
     for (int y = 8; y < 40; y++)
         for (int x = 8; x < 56; x++) *ssfr_field_at(depth, x, y) = -2.385 - 0.02 * ((x + y) % 2);
@@ -526,10 +530,11 @@ static void given_depth_tells_how_far_the_fluid_is(void **state)
 
 static void depth_given_at_half_resolution_is_scaled_up(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     test_scene s;
     test_scene_create_usual(&s, 63, 47);
-    ssfr_graph *with = test_graph(van_der_laan(), test_backend(state));
-    ssfr_graph *given = test_graph(van_der_laan(), test_backend(state));
+    ssfr_graph *with = test_graph(van_der_laan(), gl);
+    ssfr_graph *given = test_graph(van_der_laan(), gl);
     test_graph_set(with, known_step);
     ssfr_field *expected = test_graph_picture(with, &s.scene, "color", false);
     ssfr_field *smooth = test_graph_read(with, "smooth_depth");
@@ -550,9 +555,10 @@ static void depth_given_at_half_resolution_is_scaled_up(void **state)
 
 static void low_resolution_without_upsampling_is_refused(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     test_scene s;
     test_scene_create_usual(&s, 64, 48);
-    ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
     test_graph_set(graph, (const char *[]){"downsample.factor=4", "upsample.off=1", NULL});
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(graph, &s.scene, NULL),
                  "composite: depth has 1/4 of the frame's resolution, the pass works at 1/1");
@@ -566,10 +572,11 @@ static void low_resolution_without_upsampling_is_refused(void **state)
 
 static void a_pass_by_itself_answers_to_its_ports(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     ssfr_graph *graph = NULL;
     test_scene s;
     test_scene_create_usual(&s, 64, 48);
-    assert_int_equal(ssfr_graph_create_for_pass(&graph, ssfr_pass_find("normals"), test_backend(state)), SSFR_OK);
+    assert_int_equal(ssfr_graph_create_for_pass(&graph, ssfr_pass_find("normals"), gl), SSFR_OK);
     ssfr_field *depth = test_image(64, 48, 1, -2.385), *got = NULL;
     assert_int_equal(ssfr_graph_import(graph, "depth", depth), SSFR_OK);
     ssfr_field *normal = test_graph_picture(graph, &s.scene, "normal", false);
@@ -590,12 +597,13 @@ static void a_pass_by_itself_answers_to_its_ports(void **state)
 
 static void running_twice_gives_the_same_bits(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     test_scene s;
     test_scene_create_usual(&s, 96, 64);
     ssfr_field *first = NULL;
     const int threads = omp_get_max_threads();
     for (int i = 0; i < 6; i++) {
-        ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+        ssfr_graph *graph = test_graph(van_der_laan(), gl);
         omp_set_num_threads(i % 3 + 1);
         test_graph_set(graph, (const char *[]){"noise_normals.height=0.3", "downsample.factor=2", NULL});
         for (int k = 0; k < 2; k++) {
@@ -613,11 +621,12 @@ static void running_twice_gives_the_same_bits(void **state)
 
 static void other_frames_in_between_leave_no_trace(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     test_scene s, other;
     test_scene_create_usual(&s, 96, 64);
     test_scene_create_block(&other, (const int[3]){14, 14, 14}, (const double[3]){0, 0.5, 0}, 0.05);
     test_scene_look(&other, (const double[3]){0, 0.9, 0.9}, (const double[3]){0, 0.2, 0}, 70, 131, 77);
-    ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
     ssfr_field *before = test_graph_picture(graph, &s.scene, "color", false);
     test_graph_set(graph, (const char *[]){"noise_normals.height=2", "downsample.factor=8", "medium.ior=1.5", NULL});
     ssfr_field_destroy(&(ssfr_field *){test_graph_picture(graph, &other.scene, "color", true)});

@@ -252,11 +252,12 @@ static void what_is_left_out_is_what_is_not_needed(void **state)
 
 static void who_wants_depth_alone_pays_for_no_compositing(void **state)
 {
+    ssfr_gl *gl = test_backend(state);
     ssfr_pipeline depth_alone = *ssfr_pipeline_find("vanderlaan2009");
     depth_alone.result = SSFR_SLOT_surface_depth;
     test_scene s;
     block(&s);
-    ssfr_graph *graph = test_graph(&depth_alone, test_backend(state));
+    ssfr_graph *graph = test_graph(&depth_alone, gl);
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
     assert_string_equal(statuses(graph), "RRRRRUUUUU");
     assert_int_equal(ssfr_graph_want(graph, "normal"), SSFR_OK);
@@ -268,9 +269,9 @@ static void who_wants_depth_alone_pays_for_no_compositing(void **state)
 
 static void keeping_all_runs_all_on_every_tile(void **state)
 {
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), test_backend(state));
     test_scene s;
     a_fifth_of_the_screen(&s);
-    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), test_backend(state));
     const ssfr_report *report = ssfr_graph_report(graph);
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
     assert_true(report->covered > 0.05 && report->covered < 0.5);
