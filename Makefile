@@ -37,6 +37,9 @@ METRICS := $(BUILD)/libmetrics.a
 APP := $(BUILD)/libexperiments.a
 SSFR := $(BUILD)/ssfr
 COMMIT := $(shell git describe --always --dirty --abbrev=40 2>/dev/null)
+# `make V=1` shows the commands. A make without -j uses all cores where it calls itself.
+Q := $(if $(V),,@)
+SUBMAKE = $(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc))
 
 .PHONY: all deps demo check test install uninstall clean help FORCE
 .DELETE_ON_ERROR:
@@ -48,7 +51,7 @@ help:
 	@echo 'make all      build/ssfr and the library        make deps     install missing Debian packages'
 	@echo 'make demo     render and measure one frame       make check    build and run all tests'
 	@echo 'make install  to PREFIX=$(PREFIX)               make clean    remove build/'
-	@echo 'SAN=1 builds under ASan and UBSan in build/san; GL=required makes tests that lack GL fail.'
+	@echo 'SAN=1 builds under ASan and UBSan in build/san; GL=required makes tests that lack GL fail; V=1 shows the commands.'
 
 deps:
 	@./docs/deps.sh $(PACKAGES)
@@ -57,11 +60,13 @@ deps:
 
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS_ALL) $(LIB_CFLAGS) $(if $(filter libssfr/%,$<),,$(APP_CFLAGS)) -c $< -o $@
+	@echo "CC   $<"
+	$(Q)$(CC) $(CFLAGS_ALL) $(LIB_CFLAGS) $(if $(filter libssfr/%,$<),,$(APP_CFLAGS)) -c $< -o $@
 
 $(BUILD)/%.o: %.cpp
 	@mkdir -p $(@D)
-	$(CXX) $(CXXFLAGS_ALL) -c $< -o $@
+	@echo "CXX  $<"
+	$(Q)$(CXX) $(CXXFLAGS_ALL) -c $< -o $@
 
 # Every shader as a C string, so that the binary needs no files.
 SHADERS := $(sort $(wildcard shaders/*))
@@ -73,19 +78,22 @@ $(BUILD)/shaders.c: $(SHADERS) Makefile
 	  echo '{0, 0}};'; } > $@
 
 $(BUILD)/shaders.o: $(BUILD)/shaders.c
-	$(CC) $(CFLAGS_ALL) -c $< -o $@
+	@echo "CC   $<"
+	$(Q)$(CC) $(CFLAGS_ALL) -c $< -o $@
 
 $(STATIC): $(LIB_OBJ)
 $(METRICS): $(METRICS_OBJ)
 $(APP): $(APP_OBJ)
 $(STATIC) $(METRICS) $(APP):
 	@rm -f $@
-	$(AR) rcs $@ $^
+	@echo "AR   $@"
+	$(Q)$(AR) rcs $@ $^
 
 $(SHARED): $(LIB_OBJ)
-	$(CC) -shared $(OPT) -fopenmp -Wl,-soname,libssfr.so.$(SOVERSION) -Wl,--no-undefined -o $@ $^ $(LDFLAGS) $(LIB_LIBS)
-	ln -sf $(@F) $(BUILD)/libssfr.so.$(SOVERSION)
-	ln -sf $(@F) $(BUILD)/libssfr.so
+	@echo "LD   $@"
+	$(Q)$(CC) -shared $(OPT) -fopenmp -Wl,-soname,libssfr.so.$(SOVERSION) -Wl,--no-undefined -o $@ $^ $(LDFLAGS) $(LIB_LIBS)
+	$(Q)ln -sf $(@F) $(BUILD)/libssfr.so.$(SOVERSION)
+	$(Q)ln -sf $(@F) $(BUILD)/libssfr.so
 
 # ---- experiments and tests -----------------------------------------------------------------------------------------
 
@@ -99,24 +107,26 @@ FORCE:
 $(BUILD)/experiments/scenes/embedded.o: experiments/scenes/data/double_dam_break.h5
 
 $(SSFR): $(BUILD)/experiments/main.o $(APP) $(METRICS) $(STATIC)
-	$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
+	@echo "LD   $@"
+	$(Q)$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
 
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(TEST_SRC),$(wildcard tests/*.c))) \
                        $(APP) $(METRICS) $(STATIC)
-	$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(call PKG,--libs cmocka) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
+	@echo "LD   $@"
+	$(Q)$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(call PKG,--libs cmocka) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
 
 # Counts what the library allocates, and makes it run out of memory.
 $(BUILD)/tests/test_allocations: private LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 check: deps
-	@$(MAKE) --no-print-directory test
+	+@$(SUBMAKE) test
 
 # Recursive, because pkg-config's answers change once deps has run.
 test: all $(TESTS)
 	@BUILD=$(BUILD) GL=$(GL) SAN=$(SAN) ./tests/run.sh $(TESTS)
 
 demo: deps
-	@$(MAKE) --no-print-directory all
+	+@$(SUBMAKE) all
 	@BUILD=$(BUILD) ./experiments/demo.sh
 
 install: all
