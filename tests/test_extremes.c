@@ -2,6 +2,8 @@
 /* test_extremes.c: views, scenes and parameters at the edge: every image stays finite, and the backends agree. */
 #include "tests/frames.h"
 
+#include "gl/gl.h"
+
 /* ---- scenes and views -------------------------------------------------------------------------------------------- */
 
 static const double place[3] = {0.35, 0.62, 1.25}, aim[3] = {0, 0.2, 0};
@@ -316,6 +318,30 @@ static void an_image_of_8192_by_8192_pixels_is_finite(void **state)
     test_scene_destroy(&s);
 }
 
+static void more_particles_than_shaders_can_read_are_refused(void **state)
+{
+    (void)state;
+    if (!getenv("SSFR_BIG")) skip();
+    ssfr_gl *gl = test_shared_gl();
+    GLint64 most = 0; /* bytes */
+    assert_int_equal(ssfr_gl_begin(gl), SSFR_OK);
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+    assert_int_equal(ssfr_gl_end(gl, SSFR_OK), SSFR_OK);
+    if (most > 1 << 28) skip();
+    const size_t n = (size_t)most / (3 * sizeof(float)) + 1;
+    double *positions = calloc(3 * n, sizeof *positions);
+    test_scene s;
+    assert_non_null(positions);
+    for (size_t i = 0; i < 3 * n; i++) positions[i] = (double)(i % 1009) / 1009;
+    test_scene_create(&s, n, positions, 0.01);
+    free(positions);
+    test_scene_look(&s, place, aim, 45, 64, 48);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), gl);
+    assert_fails(SSFR_ERR_UNSUPPORTED, ssfr_graph_run(graph, &s.scene, NULL), "particles: shaders of this GPU read");
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -324,6 +350,7 @@ int main(void)
         ON_BOTH(what_is_beyond_all_bounds_stays_finite),
         ON_BOTH(a_thousand_kilometres_from_the_origin_the_picture_is_the_same),
         ON_BOTH(an_image_of_8192_by_8192_pixels_is_finite),
+        cmocka_unit_test(more_particles_than_shaders_can_read_are_refused),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_shared_gl_destroy);
 }

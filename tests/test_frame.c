@@ -83,8 +83,10 @@ static void a_wider_reach_brings_particles_into_view(void **state)
     create_heap(&s, 0, 2.2, -3);
     prepare(&frame, &s.scene, 1, false);
     assert_int_equal(frame.facts.n_particles, 0);
+    assert_false(frame.facts.fluid);
     prepare(&frame, &s.scene, 30, false);
     assert_int_equal(frame.facts.n_particles, 100);
+    assert_true(frame.facts.fluid && frame.facts.mean == frame.facts.nearest);
     ssfr_frame_finish(&frame);
     test_scene_destroy(&s);
 }
@@ -120,6 +122,9 @@ static void the_mean_distance_weighs_packets_by_particles(void **state)
     prepare(&frame, &s.scene, 1, false);
     assert_close(frame.facts.mean, 6, 0, 1e-15);
     assert_close(frame.facts.nearest, 1.98, 0, 1e-15);
+    prepare(&frame, &s.scene, 50, false);
+    assert_close(frame.facts.mean, 6, 0, 1e-15); /* it has nothing to do with how far splats reach */
+    assert_close(frame.facts.nearest, 1, 0, 1e-15);
     s.scene.camera.near = 7;
     prepare(&frame, &s.scene, 1, false);
     assert_close(frame.facts.mean, 8, 0, 1e-15);
@@ -382,6 +387,7 @@ static void fluid_that_is_given_may_be_anywhere(void **state)
     create_heap(&s, 0, 0, 3);
     prepare(&frame, &s.scene, 1, false);
     assert_false(frame.facts.fluid);
+    assert_true(frame.facts.mean == s.scene.camera.near);
     ssfr_frame_assume_fluid(&frame, 2.385, 4);
     ssfr_frame_assume_fluid(&frame, 1, 1);
     assert_true(frame.facts.fluid && frame.facts.nearest == 2.385 && frame.facts.mean == 4);

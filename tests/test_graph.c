@@ -642,6 +642,29 @@ static void other_frames_in_between_leave_no_trace(void **state)
     test_scene_destroy(&other);
 }
 
+static void graphs_that_share_a_context_do_not_disturb_each_other(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s, other;
+    test_scene_create_usual(&s, 96, 64);
+    test_scene_create_block(&other, (const int[3]){5, 5, 5}, (const double[3]){0, 0.3, 0}, 0.05);
+    test_scene_look(&other, (const double[3]){0, 0.9, 0.9}, (const double[3]){0, 0.2, 0}, 70, 131, 77);
+    ssfr_graph *a = test_graph(van_der_laan(), gl), *b = test_graph(van_der_laan(), gl);
+    ssfr_field *alone = test_graph_picture(a, &s.scene, "color", false);
+    test_graph_set(b, (const char *[]){"noise_normals.height=2", "sphere_depth.radius_scale=0.5", "medium.ior=2", NULL});
+    ssfr_field_destroy(&(ssfr_field *){test_graph_picture(b, &other.scene, "color", false)});
+    ssfr_field *between = test_graph_picture(a, &s.scene, "color", false);
+    assert_int_equal(test_n_different(between, alone), 0);
+    ssfr_graph_destroy(&b);
+    ssfr_field *after = test_graph_picture(a, &s.scene, "color", false);
+    assert_int_equal(test_n_different(after, alone), 0);
+    ssfr_field *const all[] = {alone, between, after};
+    for (size_t i = 0; i < SSFR_COUNT(all); i++) ssfr_field_destroy(&(ssfr_field *){all[i]});
+    ssfr_graph_destroy(&a);
+    test_scene_destroy(&s);
+    test_scene_destroy(&other);
+}
+
 static void both_backends_draw_the_same_picture(void **state)
 {
     (void)state;
@@ -780,6 +803,7 @@ int main(void)
         ON_BOTH(a_pass_by_itself_answers_to_its_ports),
         ON_BOTH(running_twice_gives_the_same_bits),
         ON_BOTH(other_frames_in_between_leave_no_trace),
+        ON_BOTH(graphs_that_share_a_context_do_not_disturb_each_other),
         cmocka_unit_test(both_backends_draw_the_same_picture),
         ON_BOTH(the_report_says_what_ran_and_why_not),
         ON_BOTH(the_report_counts_and_times),

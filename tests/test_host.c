@@ -486,6 +486,27 @@ static void buffers_that_do_not_fit_are_refused(void **state)
     tear_down(&r);
 }
 
+static void buffers_beyond_what_shaders_read_are_refused(void **state)
+{
+    (void)state;
+    rig r;
+    set_up(&r);
+    const double origin[3] = {0, 0, 0};
+    GLint64 most = 0; /* bytes */
+    GLuint b;
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+    const size_t n = (size_t)most / (3 * sizeof(float));
+    if (most < 1 << 28) {
+        glCreateBuffers(1, &b);
+        glNamedBufferStorage(b, most + 1200, NULL, 0);
+        assert_int_equal(ssfr_graph_import_buffer(r.graph, b, n, 3, 0, origin, 0.02), SSFR_OK);
+        assert_fails(SSFR_ERR_UNSUPPORTED, ssfr_graph_import_buffer(r.graph, b, n + 1, 3, 0, origin, 0.02),
+                     "particles: shaders of this GPU read");
+    }
+    tear_down(&r);
+    if (most >= 1 << 28) skip(); /* no test makes so large a buffer */
+}
+
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
 static void without_its_context_a_graph_only_fails(void **state)
@@ -526,6 +547,7 @@ int main(void)
         cmocka_unit_test(the_hosts_particles_may_be_far_from_the_worlds_origin),
         cmocka_unit_test(no_particles_of_the_host_show_the_scene),
         cmocka_unit_test(buffers_that_do_not_fit_are_refused),
+        cmocka_unit_test(buffers_beyond_what_shaders_read_are_refused),
         cmocka_unit_test(without_its_context_a_graph_only_fails),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);

@@ -188,14 +188,18 @@ end:
 /* Whether n positions, `stride` floats apart from `first` on, lie inside the buffer. */
 static ssfr_result check_buffer(unsigned buffer, const host_buffer *h)
 {
-    GLint64 bytes = 0;
+    GLint64 bytes = 0, most = 0;
     if (!glIsBuffer(buffer)) return ssfr_fail(SSFR_ERR_VALUE, "particles: %u is not a buffer", buffer);
     glGetNamedBufferParameteri64v(buffer, GL_BUFFER_SIZE, &bytes);
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
     /* Nothing overflows: stride and first fit an int, n an eighth of one. Shaders count floats in an int. */
     const size_t floats = (size_t)bytes / sizeof(float), end = h->n ? h->first + (h->n - 1) * h->stride + 3 : 0;
     if (end > floats || end > INT32_MAX)
         return ssfr_fail(SSFR_ERR_VALUE, "particles: %zu of stride %zu from float %zu do not fit buffer %u, %lld bytes",
                          h->n, h->stride, h->first, buffer, (long long)bytes);
+    if (end > (size_t)most / sizeof(float))
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "particles: shaders of this GPU read %lld bytes of buffer %u, not %zu",
+                         (long long)most, buffer, end * sizeof(float));
     return SSFR_OK;
 }
 

@@ -213,11 +213,25 @@ static void list_tiles(ssfr_facts *facts)
     facts->covered = (double)facts->n_tiles / (double)(facts->tiles_x * facts->tiles_y);
 }
 
+/* By the particles' own spheres, however far some pass spreads its splats; `otherwise` when none of these is in view. */
+static double mean_distance(const ssfr_frame *frame, double otherwise)
+{
+    double sum = 0;
+    size_t n_seen = 0;
+    int lo[2], hi[2];
+    for (size_t i = 0; i < frame->n_packets; i++) {
+        const bounds b = packet_bounds(frame, i, frame->radius);
+        if (!box_pixels(frame, &b, lo, hi)) continue;
+        sum -= b.centre[2] * (double)packet_size(frame, i);
+        n_seen += packet_size(frame, i);
+    }
+    return n_seen ? sum / (double)n_seen : otherwise;
+}
+
 static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
 {
     ssfr_facts *facts = &frame->facts;
-    double nearest = INFINITY, sum = 0;
-    size_t n_seen = 0;
+    double nearest = INFINITY;
     int lo[2], hi[2];
     facts->n_particles = 0;
     facts->n_ranges = 0;
@@ -225,17 +239,13 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
     for (size_t i = 0; i < frame->n_packets; i++) {
         const bounds b = packet_bounds(frame, i, reach * frame->radius);
         const bool visible = box_pixels(frame, &b, lo, hi);
-        if (visible) {
-            nearest = fmin(nearest, -b.centre[2] - b.half[2]);
-            sum -= b.centre[2] * (double)packet_size(frame, i);
-            n_seen += packet_size(frame, i);
-        }
+        if (visible) nearest = fmin(nearest, -b.centre[2] - b.half[2]);
         if (visible && !keep_all) mark_packet(frame, i, reach * frame->radius, lo, hi);
         if (visible || keep_all) add_packet(frame, i);
     }
-    facts->fluid = n_seen > 0;
+    facts->fluid = nearest < INFINITY;
     facts->nearest = fmax(nearest, frame->near);
-    facts->mean = fmax(n_seen ? sum / (double)n_seen : 0, frame->near);
+    facts->mean = fmax(mean_distance(frame, facts->fluid ? facts->nearest : 0), frame->near);
     list_tiles(facts);
 }
 

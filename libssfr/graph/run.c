@@ -8,6 +8,11 @@
 
 static ssfr_result refill(ssfr_graph *graph, unsigned *buffer, size_t size, const void *data)
 {
+    GLint64 most = 0;
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+    if (size > (size_t)most)
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%zu particles: shaders of this GPU read %lld of %zu bytes",
+                         graph->frame.n_particles, (long long)most, size);
     ssfr_buffer_destroy(buffer);
     graph->grew++;
     return ssfr_buffer_create(graph->gl, buffer, size ? size : 4, size ? data : NULL, false);
