@@ -651,7 +651,7 @@ static void graphs_that_share_a_context_do_not_disturb_each_other(void **state)
     test_scene_look(&other, (const double[3]){0, 0.9, 0.9}, (const double[3]){0, 0.2, 0}, 70, 131, 77);
     ssfr_graph *a = test_graph(van_der_laan(), gl), *b = test_graph(van_der_laan(), gl);
     ssfr_field *alone = test_graph_picture(a, &s.scene, "color", false);
-    test_graph_set(b, (const char *[]){"noise_normals.height=2", "sphere_depth.radius_scale=0.5", "medium.ior=2", NULL});
+    test_graph_set(b, (const char *[]){"noise_normals.height=2", "sphere_depth.radius_scale=0.5", NULL});
     ssfr_field_destroy(&(ssfr_field *){test_graph_picture(b, &other.scene, "color", false)});
     ssfr_field *between = test_graph_picture(a, &s.scene, "color", false);
     assert_int_equal(test_n_different(between, alone), 0);

@@ -213,7 +213,8 @@ static void list_tiles(ssfr_facts *facts)
     facts->covered = (double)facts->n_tiles / (double)(facts->tiles_x * facts->tiles_y);
 }
 
-/* By the particles' own spheres, however far some pass spreads its splats; `otherwise` when none of these is in view. */
+/* By the particles' own spheres, however far some pass spreads its splats; `otherwise` when none of these is in
+ * view. */
 static double mean_distance(const ssfr_frame *frame, double otherwise)
 {
     double sum = 0;
