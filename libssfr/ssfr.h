@@ -271,18 +271,20 @@ SSFR_API const ssfr_param *ssfr_graph_row(const ssfr_graph *graph, const char *k
 /* The i-th full key "node.param" or "group.param" of this graph, NULL past the end; keys of off switches come last. */
 SSFR_API const char *ssfr_graph_key_at(const ssfr_graph *graph, int i);
 
-/* Wants a slot's last version beside those already wanted. A new graph wants the pipeline's result. */
+/* Wants a slot's last version beside those already wanted; NULL: wants nothing any more. A new graph wants the pipeline's
+ * result. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_want(ssfr_graph *graph, const char *slot);
 /* Wants every slot (true), or only what was asked for (false). */
 SSFR_API void ssfr_graph_want_all(ssfr_graph *graph, bool all);
 
-/* Gives a slot from outside instead of by its node: a field (copied), or the host's texture (GL; row 0 on top). */
+/* Gives a slot from outside instead of by its node: a field (copied), or the host's texture (GL; row 0 on top). NULL and
+ * texture 0 take it back. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_field *field);
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsigned texture);
-/* Writes the pipeline's result into the host's RGBA32F texture of the camera's size. */
+/* Writes the pipeline's result into the host's RGBA32F texture of the camera's size; 0: no longer. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_export_texture(ssfr_graph *graph, unsigned texture);
 /* Takes positions from the host's buffer: n particles, stride floats apart, first at float `first`, relative to
- * origin (m, world). The scene's particles must be NULL then. */
+ * origin (m, world). The scene's particles must be NULL then. buffer 0: no longer. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_buffer(ssfr_graph *graph, unsigned buffer, size_t n, size_t stride,
                                                         size_t first, const double origin[3], double radius);
 

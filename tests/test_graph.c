@@ -713,13 +713,13 @@ static void the_report_says_what_ran_and_why_not(void **state)
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
     assert_node(graph, "background", SSFR_RAN, "");
     assert_node(graph, "sphere_depth", SSFR_RAN, "");
-    assert_node(graph, "downsample", SSFR_NEEDLESS, "full resolution, or no particle in view");
+    assert_node(graph, "downsample", SSFR_NEEDLESS, "full resolution, or no fluid in view");
     assert_node(graph, "curvature_flow", SSFR_RAN, "");
-    assert_node(graph, "upsample", SSFR_NEEDLESS, "full resolution already, or no particle in view");
+    assert_node(graph, "upsample", SSFR_NEEDLESS, "full resolution already, or no fluid in view");
     assert_node(graph, "normals", SSFR_OFF, "switched off");
     assert_node(graph, "thickness", SSFR_GIVEN, "its outputs are given");
     assert_node(graph, "surface_noise", SSFR_UNWANTED, "nobody reads what it writes");
-    assert_node(graph, "noise_normals", SSFR_NEEDLESS, "waves of height 0, or no particle in view");
+    assert_node(graph, "noise_normals", SSFR_NEEDLESS, "waves of height 0, or no fluid in view");
     assert_node(graph, "composite", SSFR_RAN, "");
     ssfr_field_destroy(&thick);
     ssfr_graph_destroy(&graph);
@@ -772,6 +772,42 @@ static void a_hosts_things_need_a_hosts_context(void **state)
     ssfr_graph_destroy(&graph);
 }
 
+static void nothing_is_wanted_until_something_is_asked_for_again(void **state)
+{
+    ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+    test_scene s;
+    test_scene_create_usual(&s, 64, 48);
+    assert_int_equal(ssfr_graph_want(graph, NULL), SSFR_OK);
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    assert_int_equal(test_graph_node(graph, "sphere_depth")->status, SSFR_UNWANTED);
+    assert_int_equal(ssfr_graph_want(graph, "surface_depth"), SSFR_OK); /* depth only: nothing is shaded */
+    ssfr_field *depth = test_graph_picture(graph, &s.scene, "surface_depth", false);
+    assert_int_equal(depth->w, 64);
+    assert_int_equal(test_graph_node(graph, "sphere_depth")->status, SSFR_RAN);
+    assert_int_equal(test_graph_node(graph, "thickness")->status, SSFR_UNWANTED);
+    assert_int_equal(test_graph_node(graph, "composite")->status, SSFR_UNWANTED);
+    ssfr_field_destroy(&depth);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+static void what_was_given_can_be_taken_back(void **state)
+{
+    ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+    test_scene s;
+    test_scene_create_usual(&s, 64, 48);
+    ssfr_field *own = test_graph_picture(graph, &s.scene, "color", false), *grey = test_image(64, 48, 3, 0.2385);
+    assert_int_equal(ssfr_graph_import(graph, "scene_color", grey), SSFR_OK);
+    ssfr_field *given = test_graph_picture(graph, &s.scene, "color", false);
+    assert_int_equal(ssfr_graph_import(graph, "scene_color", NULL), SSFR_OK);
+    ssfr_field *back = test_graph_picture(graph, &s.scene, "color", false);
+    assert_true(test_n_different(given, own) > 0);
+    assert_int_equal(test_n_different(back, own), 0);
+    ssfr_field_destroy(&own), ssfr_field_destroy(&grey), ssfr_field_destroy(&given), ssfr_field_destroy(&back);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -790,6 +826,8 @@ int main(void)
         ON_BOTH(unknown_images_are_errors),
         ON_BOTH(nothing_is_read_before_a_frame_has_run),
         ON_BOTH(what_is_wanted_runs_and_what_is_left_out_is_neutral),
+        ON_BOTH(nothing_is_wanted_until_something_is_asked_for_again),
+        ON_BOTH(what_was_given_can_be_taken_back),
         ON_BOTH(wanting_all_runs_all_that_is_needed),
         ON_BOTH(a_background_of_the_user_takes_the_place_of_ours),
         ON_BOTH(given_depth_hides_the_fluid_behind_it),

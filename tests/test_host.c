@@ -229,7 +229,7 @@ static void targets_that_do_not_fit_are_refused(void **state)
     glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &cube);
     glCreateTextures(GL_TEXTURE_2D, 1, &empty);
     glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &many);
-    assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, 0), "export: 0 is not a texture");
+    assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, 4711), "export: 4711 is not a texture");
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, cube), "is not GL_TEXTURE_2D");
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, many), "is not GL_TEXTURE_2D");
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, empty), "has no storage");
@@ -530,6 +530,32 @@ static void without_its_context_a_graph_only_fails(void **state)
     test_scene_destroy(&r.s);
 }
 
+static void what_the_host_gave_can_be_taken_back(void **state)
+{
+    (void)state;
+    static const double origin[3] = {0, 0, 0};
+    rig r;
+    set_up(&r);
+    const GLuint target = make_texture(GL_RGBA32F, W, H), scene = make_texture(GL_RGBA32F, W, H);
+    const float red[4] = {1, 0, 0, 0};
+    GLuint buffer;
+    ssfr_field *own = test_graph_picture(r.graph, &r.s.scene, "color", false);
+    glCreateBuffers(1, &buffer);
+    glNamedBufferStorage(buffer, 48, NULL, 0);
+    assert_int_equal(ssfr_graph_export_texture(r.graph, target), SSFR_OK);
+    assert_int_equal(ssfr_graph_import_texture(r.graph, "scene_color", scene), SSFR_OK);
+    assert_int_equal(ssfr_graph_import_buffer(r.graph, buffer, 2, 3, 0, origin, 0.02385), SSFR_OK);
+    assert_int_equal(ssfr_graph_export_texture(r.graph, 0), SSFR_OK);
+    assert_int_equal(ssfr_graph_import_texture(r.graph, "scene_color", 0), SSFR_OK);
+    assert_int_equal(ssfr_graph_import_buffer(r.graph, 0, 0, 0, 0, NULL, 0), SSFR_OK);
+    glClearTexImage(target, 0, GL_RGBA, GL_FLOAT, red);
+    ssfr_field *back = test_graph_picture(r.graph, &r.s.scene, "color", false), *seen = look_at(target, W, H, 3);
+    assert_int_equal(test_n_different(back, own), 0);
+    for (int i = 0; i < W * H; i++) assert_true(seen->data[3 * i] == 1 && seen->data[3 * i + 1] == 0);
+    ssfr_field_destroy(&own), ssfr_field_destroy(&back), ssfr_field_destroy(&seen);
+    tear_down(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -547,6 +573,7 @@ int main(void)
         cmocka_unit_test(the_hosts_particles_may_be_far_from_the_worlds_origin),
         cmocka_unit_test(no_particles_of_the_host_show_the_scene),
         cmocka_unit_test(buffers_that_do_not_fit_are_refused),
+        cmocka_unit_test(what_the_host_gave_can_be_taken_back),
         cmocka_unit_test(buffers_beyond_what_shaders_read_are_refused),
         cmocka_unit_test(without_its_context_a_graph_only_fails),
     };

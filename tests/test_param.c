@@ -240,9 +240,25 @@ static void numbers_are_told_for_every_type(void **state)
     for (size_t i = 0; i < SSFR_COUNT(expected); i++) assert_true(ssfr_param_number(&rows[i], &b) == expected[i]);
 }
 
+static void numbers_have_decimal_points_in_every_locale(void **state)
+{
+    (void)state;
+    double value = 0;
+    char text[64];
+    const ssfr_param row = {"x", SSFR_REAL, "m", "", 0, 0, -10, 10, NULL};
+    if (!setlocale(LC_NUMERIC, "de_DE.UTF-8")) skip();
+    const ssfr_result result = ssfr_param_set(&row, &value, "x", "2.385");
+    ssfr_param_format(&row, &value, text, sizeof text);
+    setlocale(LC_NUMERIC, "C");
+    assert_int_equal(result, SSFR_OK);
+    assert_true(value == 2.385);
+    assert_string_equal(text, "2.385");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_have_decimal_points_in_every_locale),
         cmocka_unit_test(defaults_fill_the_members_and_nothing_else),
         cmocka_unit_test(rows_are_found_by_their_whole_name),
         cmocka_unit_test(values_of_every_type_are_parsed),

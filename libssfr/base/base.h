@@ -5,6 +5,7 @@
 
 #include "ssfr.h"
 
+#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,6 +35,14 @@ SSFR_MUST ssfr_result ssfr_alloc(void *out, size_t n, size_t size, const char *w
 
 /* Seconds since an arbitrary start, monotonic. */
 double ssfr_clock(void);
+
+/* Numbers have a decimal point, whatever locale a host program has set: between begin and end, for this thread. */
+typedef struct ssfr_plain {
+    locale_t plain, before;
+} ssfr_plain;
+
+ssfr_plain ssfr_plain_begin(void);
+void ssfr_plain_end(ssfr_plain *plain);
 
 /* True when text is a finite number and nothing else; the value goes to *out. */
 bool ssfr_parse_number(const char *text, double *out);

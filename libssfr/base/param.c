@@ -117,6 +117,7 @@ ssfr_result ssfr_param_set(const ssfr_param *row, void *params, const char *key,
 {
     ssfr_result result = SSFR_OK;
     double value = 0;
+    ssfr_plain plain = ssfr_plain_begin();
     switch (row->type) {
     case SSFR_FLAG: result = parse_flag(key, text, &value); break;
     case SSFR_SET: result = parse_set(row, key, text, &value); break;
@@ -126,6 +127,7 @@ ssfr_result ssfr_param_set(const ssfr_param *row, void *params, const char *key,
         break;
     default: result = parse_number(row, key, text, &value); break;
     }
+    ssfr_plain_end(&plain);
     if (result == SSFR_OK) store(row, params, value);
     return result;
 }
@@ -143,6 +145,7 @@ void ssfr_param_format(const ssfr_param *row, const void *params, char *text, si
 {
     const double value = ssfr_param_number(row, params);
     size_t used = 0;
+    ssfr_plain plain = ssfr_plain_begin();
     switch (row->type) {
     case SSFR_REAL: format_real(value, text, size); break;
     case SSFR_CHOICE: snprintf(text, size, "%s", row->words[(int)value]); break;
@@ -154,4 +157,5 @@ void ssfr_param_format(const ssfr_param *row, const void *params, char *text, si
         break;
     default: snprintf(text, size, "%d", (int)value); break;
     }
+    ssfr_plain_end(&plain);
 }

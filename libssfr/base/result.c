@@ -79,6 +79,19 @@ double ssfr_clock(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+ssfr_plain ssfr_plain_begin(void)
+{
+    ssfr_plain p = {.plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0)};
+    p.before = uselocale(p.plain); /* without memory for one, the locale stays */
+    return p;
+}
+
+void ssfr_plain_end(ssfr_plain *plain)
+{
+    uselocale(plain->before);
+    if (plain->plain) freelocale(plain->plain);
+}
+
 bool ssfr_parse_number(const char *text, double *out)
 {
     char *end = NULL;

@@ -31,6 +31,8 @@ static ssfr_result find_resource(const ssfr_graph *graph, const char *name, int 
 ssfr_result ssfr_graph_want(ssfr_graph *graph, const char *slot)
 {
     int index;
+    for (int i = 0; !slot && i < graph->n_resources; i++) graph->resources[i].asked = false;
+    if (!slot) return SSFR_OK;
     const ssfr_result result = find_resource(graph, slot, &index);
     if (result == SSFR_OK) graph->resources[index].asked = true;
     return result;
@@ -87,6 +89,10 @@ ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_fi
     int index;
     SSFR_TRY(find_resource(graph, slot, &index));
     resource *r = &graph->resources[index];
+    if (!field) {
+        r->is_given = false;
+        goto end;
+    }
     if (field->c != ssfr_slots[r->slot].channels)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: %d channels given, it has %d", slot, field->c,
                          ssfr_slots[r->slot].channels);
@@ -147,8 +153,10 @@ ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsig
     SSFR_TRY(find_resource(graph, slot, &index));
     SSFR_TRY(begin_host(graph, slot));
     resource *r = &graph->resources[index];
-    result = borrow(slot, texture, ssfr_slots[r->slot].channels, &host);
-    if (result == SSFR_OK) {
+    if (texture) result = borrow(slot, texture, ssfr_slots[r->slot].channels, &host);
+    if (!texture) {
+        r->is_given = false;
+    } else if (result == SSFR_OK) {
         ssfr_image_finish(&r->given);
         r->given = (image){.w = host.w, .h = host.h, .c = host.c, .texture = host};
         r->nearest = r->mean = 0;
@@ -176,9 +184,9 @@ end:
 ssfr_result ssfr_graph_export_texture(ssfr_graph *graph, unsigned texture)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_texture host;
+    ssfr_texture host = {0};
     SSFR_TRY(begin_host(graph, "export"));
-    result = borrow_target("export", texture, ssfr_slots[graph->pipeline->result].channels, &host);
+    if (texture) result = borrow_target("export", texture, ssfr_slots[graph->pipeline->result].channels, &host);
     if (result == SSFR_OK) graph->exported = host;
     result = ssfr_gl_end(graph->gl, result);
 end:
@@ -208,9 +216,10 @@ ssfr_result ssfr_graph_import_buffer(ssfr_graph *graph, unsigned buffer, size_t 
 {
     ssfr_result result = SSFR_OK;
     host_buffer host = {.buffer = buffer, .n = n, .stride = stride, .first = first, .radius = radius};
-    memcpy(host.origin, origin, sizeof host.origin);
+    if (buffer) memcpy(host.origin, origin, sizeof host.origin);
     SSFR_TRY(begin_host(graph, "particles"));
-    if (stride < 3 || stride > INT32_MAX || first > INT32_MAX || n > INT32_MAX / 8)
+    if (!buffer) host = (host_buffer){0};
+    else if (stride < 3 || stride > INT32_MAX || first > INT32_MAX || n > INT32_MAX / 8)
         result = ssfr_fail(SSFR_ERR_VALUE, "particles: %zu of stride %zu floats from float %zu", n, stride, first);
     else if (!(radius > 0 && isfinite(radius)))
         result = ssfr_fail(SSFR_ERR_VALUE, "particles: radius %g m: it must be positive", radius);

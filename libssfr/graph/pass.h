@@ -71,6 +71,10 @@ typedef struct ssfr_run {
     struct ssfr_draw *draw;
 } ssfr_run;
 
+/* `needed` and `needless` of passes that do nothing without fluid. */
+static inline bool ssfr_needs_fluid(const ssfr_run *run) { return run->frame->facts.fluid; }
+#define SSFR_NO_FLUID "no fluid in view"
+
 typedef struct ssfr_tolerance { /* between the twins, per value: |gl - cpu| <= abs + rel |cpu| */
     double abs, rel;
     double outliers; /* share of values that may exceed it: silhouettes, where a float decides otherwise */

@@ -56,11 +56,6 @@ static void derive(const ssfr_run *run, void *coeffs)
         .reject = p->reject, .reflection = p->reflection, .single = p->attenuation_form == SSFR_ATTENUATION_SINGLE};
 }
 
-static bool needed(const ssfr_run *run)
-{
-    return run->frame->facts.fluid;
-}
-
 static void work(const ssfr_run *run, ssfr_node_report *report)
 {
     (void)run;
@@ -78,8 +73,8 @@ const ssfr_pass ssfr_composite = {
     .params_size = sizeof(composite_params),
     .coeffs_size = sizeof(ssfr_composite_coeffs),
     .derive = derive,
-    .needed = needed,
-    .needless = "no particle in view: the picture is the scene",
+    .needed = ssfr_needs_fluid,
+    .needless = SSFR_NO_FLUID ": the picture is the scene",
     .cpu_run = ssfr_composite_cpu,
     .programs = {{"tiles.vert", "composite.frag", NULL}},
     .uniforms = uniforms,

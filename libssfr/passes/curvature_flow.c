@@ -121,7 +121,7 @@ const ssfr_pass ssfr_curvature_flow = {
     .n_scratch = 1,
     .derive = derive,
     .needed = needed,
-    .needless = "no iterations, or no particle in view",
+    .needless = "no iterations, or no fluid in view",
     .cpu_run = ssfr_curvature_flow_cpu,
     .programs = {{"tiles.vert", "curvature_flow.frag", NULL},
                  {"tiles.vert", "curvature_flow.frag", "#define CROSS_TERM\n"},

@@ -38,11 +38,6 @@ static void derive(const ssfr_run *run, void *coeffs)
     c->off_axis = p->off_axis;
 }
 
-static bool needed(const ssfr_run *run)
-{
-    return run->frame->facts.fluid;
-}
-
 static void work(const ssfr_run *run, ssfr_node_report *report)
 {
     (void)run;
@@ -59,8 +54,8 @@ const ssfr_pass ssfr_normals = {
     .params_size = sizeof(normals_params),
     .coeffs_size = sizeof(ssfr_normals_coeffs),
     .derive = derive,
-    .needed = needed,
-    .needless = "no particle in view",
+    .needed = ssfr_needs_fluid,
+    .needless = SSFR_NO_FLUID,
     .cpu_run = ssfr_normals_cpu,
     .programs = {{"tiles.vert", "normals.frag", NULL}},
     .uniforms = uniforms,

@@ -3,7 +3,6 @@
 #include "scene/reader.h"
 
 #include <ctype.h>
-#include <locale.h>
 #include <strings.h>
 
 /* ---- what a reader fills ----------------------------------------------------------------------------------------- */
@@ -333,8 +332,7 @@ ssfr_result ssfr_particles_load(ssfr_particles **out, const char *path, ssfr_loa
     if (!options) options = &none;
     options->n_dropped = 0;
     *out = NULL;
-    /* A host program may have set a locale whose numbers have a decimal comma. */
-    const locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0), before = uselocale(plain);
+    ssfr_plain plain = ssfr_plain_begin();
     if (!(options->radius >= 0 && isfinite(options->radius))) {
         result = ssfr_fail(SSFR_ERR_VALUE, "%s: particle radius %g m: expected a finite number above 0", path,
                            options->radius);
@@ -343,8 +341,7 @@ ssfr_result ssfr_particles_load(ssfr_particles **out, const char *path, ssfr_loa
     SSFR_TRY(find_format(path, &format));
     SSFR_TRY(load(out, format, path, options));
 end:
-    uselocale(before);
-    if (plain) freelocale(plain);
+    ssfr_plain_end(&plain);
     return result;
 }
 
