@@ -98,7 +98,8 @@ static void everything_that_numbers_depend_on_is_written_down(void **state)
         "\"kernel\": \"", "\"compiler\": \"gcc ", "\"OpenEXR\": \"", "\"HDF5\": \"", "\"GSL\": \"", "\"OpenCV\": \"",
         "\"scene\": \"sphere\"", "\"scene.particles\": 1", "\"scene.radius\": 0.5", "\"scene.hash\": \"",
         "\"pipeline\": \"vanderlaan2009\"", "\"curvature_flow.step\": 0.9", "\"sphere_depth.splat\": \"",
-        "\"medium.ior\": 1.333", "\"17\"", "\"curvature_flow.step\": \"0.2385\"", "\"identity\": \"0000000000002385\""};
+        "\"medium.ior\": 1.333", "\"17\"", "\"curvature_flow.step\": \"0.2385\"", "\"identity\": \"0000000000002385\"",
+        "\"ms_median\": \"median time of a frame\"", "\"ref_depth_rms [m]\": \"depth: RMS"};
     const char *table = test_path("all.csv");
     char *text = NULL;
     size_t size;

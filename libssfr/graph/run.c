@@ -159,6 +159,11 @@ static const image *begins_as(const ssfr_graph *graph, const node *n, int k)
 
 static void begin_field(ssfr_field *field, const ssfr_field *as)
 {
+    if (as->w == field->w && as->h == field->h) {
+        memcpy(field->data, as->data, (size_t)field->w * (size_t)field->h * (size_t)field->c * sizeof *field->data);
+        return;
+    }
+#pragma omp parallel for schedule(static)
     for (int y = 0; y < field->h; y++)
         for (int x = 0; x < field->w; x++)
             memcpy(ssfr_field_at(field, x, y), ssfr_field_fetch(as, x, y), (size_t)field->c * sizeof *field->data);
