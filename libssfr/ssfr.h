@@ -112,7 +112,7 @@ SSFR_API SSFR_MUST ssfr_result ssfr_camera_look(ssfr_camera *out, const double e
 /* Particles are sorted along a space-filling curve and cut into packets of SSFR_PACKET; the last may be shorter.
  * Positions are floats relative to their packet's centre, which is a double: a scene a thousand kilometres from
  * the origin is as exact as one at the origin. Arrays that a file lacks are NULL. */
-enum { SSFR_PACKET = 256 };
+enum { SSFR_PACKET = 64 };
 
 typedef struct ssfr_packet {
     double centre[3]; /* m, world: the middle of the box */

@@ -8,7 +8,7 @@ layout(std430, binding = 3) readonly buffer Ids { uint ids[]; };
 
 uniform ivec2 u_layout; // floats from one position to the next, and before the first
 
-const int PACKET = 256;
+const int PACKET = 64; // SSFR_PACKET of ssfr.h
 
 vec3 eye_position(int i)
 {

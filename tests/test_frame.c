@@ -18,13 +18,13 @@ static void prepare(ssfr_frame *frame, const ssfr_scene *scene, double reach, bo
     if (ssfr_frame_prepare(frame, scene, &world, reach, keep_all, &grew) != SSFR_OK) fail_msg("%s", test_last_error());
 }
 
-/* 100 particles of 2 cm within 20 cm of a place; the camera stands at the origin and looks along -z. */
+/* A packet of particles of 2 cm within 20 cm of a place; the camera stands at the origin and looks along -z. */
 static void create_heap(test_scene *s, double x, double y, double z)
 {
-    double positions[300];
+    double positions[3 * SSFR_PACKET];
     uint64_t seed = 11;
-    for (int i = 0; i < 300; i++) positions[i] = (double[3]){x, y, z}[i % 3] + test_random(&seed, -0.2, 0.2);
-    test_scene_create(s, 100, positions, 0.02);
+    for (int i = 0; i < 3 * SSFR_PACKET; i++) positions[i] = (double[3]){x, y, z}[i % 3] + test_random(&seed, -0.2, 0.2);
+    test_scene_create(s, SSFR_PACKET, positions, 0.02);
     test_scene_look(s, (const double[3]){0, 0, 0}, (const double[3]){0, 0, -1}, 60, 320, 200);
 }
 
@@ -47,11 +47,11 @@ static void particles_out_of_view_are_culled(void **state)
         create_heap(&s, cases[i].at[0], cases[i].at[1], cases[i].at[2]);
         prepare(&frame, &s.scene, 1, false);
         if ((frame.facts.n_particles > 0) != cases[i].visible) fail_msg("case %zu", i);
-        assert_int_equal(frame.facts.n_particles, cases[i].visible ? 100 : 0);
+        assert_int_equal(frame.facts.n_particles, cases[i].visible ? SSFR_PACKET : 0);
         assert_int_equal(frame.facts.n_ranges, cases[i].visible);
         assert_true((frame.facts.n_tiles > 0) == cases[i].visible);
         prepare(&frame, &s.scene, 1, true);
-        assert_int_equal(frame.facts.n_particles, 100);
+        assert_int_equal(frame.facts.n_particles, SSFR_PACKET);
         assert_int_equal(frame.facts.n_tiles, 10 * 7);
         ssfr_frame_finish(&frame);
         test_scene_destroy(&s);
@@ -69,7 +69,7 @@ static void what_is_before_the_near_plane_is_culled(void **state)
     assert_int_equal(frame.facts.n_particles, 0);
     s.scene.camera.near = 3;
     prepare(&frame, &s.scene, 1, false);
-    assert_int_equal(frame.facts.n_particles, 100);
+    assert_int_equal(frame.facts.n_particles, SSFR_PACKET);
     assert_true(frame.facts.nearest == 3);
     ssfr_frame_finish(&frame);
     test_scene_destroy(&s);
@@ -85,7 +85,7 @@ static void a_wider_reach_brings_particles_into_view(void **state)
     assert_int_equal(frame.facts.n_particles, 0);
     assert_false(frame.facts.fluid);
     prepare(&frame, &s.scene, 30, false);
-    assert_int_equal(frame.facts.n_particles, 100);
+    assert_int_equal(frame.facts.n_particles, SSFR_PACKET);
     assert_true(frame.facts.fluid && frame.facts.mean == frame.facts.nearest);
     ssfr_frame_finish(&frame);
     test_scene_destroy(&s);
@@ -140,7 +140,7 @@ static void neighbouring_packets_make_one_range(void **state)
     test_scene_create_block(&s, (const int[3]){20, 10, 10}, (const double[3]){0, 0, -3}, 0.02);
     test_scene_look(&s, (const double[3]){0, 0, 0}, (const double[3]){0, 0, -1}, 60, 320, 200);
     prepare(&frame, &s.scene, 1, false);
-    assert_int_equal(frame.n_packets, 8);
+    assert_int_equal(frame.n_packets, (2000 + SSFR_PACKET - 1) / SSFR_PACKET);
     assert_int_equal(frame.facts.n_ranges, 1);
     assert_int_equal(frame.facts.first[0], 0);
     assert_int_equal(frame.facts.count[0], 2000);
@@ -346,13 +346,13 @@ static void of_a_hosts_buffer_nothing_is_known(void **state)
     create_heap(&s, 0, 0, 3);
     s.scene.particles = NULL;
     assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, &grew), SSFR_OK);
-    assert_int_equal(frame.n_packets, 3);
+    assert_int_equal(frame.n_packets, (600 + SSFR_PACKET - 1) / SSFR_PACKET);
     assert_int_equal(frame.facts.n_particles, 600);
     assert_int_equal(frame.facts.n_ranges, 1);
     assert_int_equal(frame.facts.count[0], 600);
     assert_int_equal(frame.facts.n_tiles, 10 * 7);
     assert_true(frame.facts.nearest == s.scene.camera.near);
-    for (int i = 0; i < 3; i++) assert_close(frame.offset[i][0], 1e6, 0, 1e-15);
+    for (size_t i = 0; i < frame.n_packets; i++) assert_close(frame.offset[i][0], 1e6, 0, 1e-15);
     assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 0, origin, 0.02, &grew), SSFR_OK);
     assert_int_equal(frame.facts.n_ranges, 0);
     ssfr_frame_finish(&frame);
