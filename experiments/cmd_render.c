@@ -65,7 +65,7 @@ static ssfr_result save(const ssfr_setup *setup, const ssfr_stage *stage, const 
     ssfr_result result = SSFR_OK;
     const ssfr_camera *camera = &stage->scene.camera;
     if (options->output && ssfr_output_kind_of(options->output) == SSFR_OUTPUT_PNG)
-        SSFR_TRY(ssfr_frame_save_png(options->output, setup));
+        SSFR_TRY(ssfr_frame_save_png(options->output, setup, camera->w, camera->h));
     else if (options->output)
         SSFR_TRY(ssfr_frame_save_exr(options->output, setup, camera->w, camera->h, record));
     if (options->dump) SSFR_TRY(ssfr_frame_dump(options->dump, setup, camera->w, camera->h, record));

@@ -3,7 +3,6 @@
 #include "experiments/frame_file.h"
 #include "experiments/output.h"
 
-#include "base/field.h"
 #include "graph/graph.h"
 
 #include <errno.h>
@@ -34,8 +33,7 @@ ssfr_result ssfr_frame_want(const ssfr_setup *setup)
     return result;
 }
 
-/* A slot; one that was left out, and is one neutral pixel, at the frame's size, so that files can be compared. */
-static ssfr_result read_slot(ssfr_field **out, const ssfr_graph *graph, const char *slot, int w, int h)
+ssfr_result ssfr_frame_read(ssfr_field **out, const ssfr_graph *graph, const char *slot, int w, int h)
 {
     ssfr_result result = SSFR_OK;
     ssfr_field *small = NULL;
@@ -63,7 +61,7 @@ ssfr_result ssfr_frame_save_exr(const char *path, const ssfr_setup *setup, int w
         if (has_slot(setup->graph, companions[i])) slots[n++] = companions[i];
     for (int i = 0; i < n; i++) {
         layers[i].channels = ssfr_slot_channels(slots[i]);
-        SSFR_TRY(read_slot(&layers[i].field, setup->graph, slots[i], w, h));
+        SSFR_TRY(ssfr_frame_read(&layers[i].field, setup->graph, slots[i], w, h));
     }
     SSFR_TRY(ssfr_exr_save(path, n, layers, record->n, record->items));
 end:
@@ -71,10 +69,10 @@ end:
     return result;
 }
 
-ssfr_result ssfr_frame_save_png(const char *path, const ssfr_setup *setup)
+ssfr_result ssfr_frame_save_png(const char *path, const ssfr_setup *setup, int w, int h)
 {
     ssfr_field *field = NULL;
-    ssfr_result result = ssfr_graph_read(setup->graph, result_slot(setup), &field);
+    ssfr_result result = ssfr_frame_read(&field, setup->graph, result_slot(setup), w, h);
     if (result == SSFR_OK) result = ssfr_png_save(path, field);
     ssfr_field_destroy(&field);
     return result;
@@ -180,7 +178,7 @@ static ssfr_result dump_slot(const char *path, const ssfr_graph *graph, const ch
                              const ssfr_record *record)
 {
     ssfr_layer layer = {.channels = ssfr_slot_channels(slot)};
-    ssfr_result result = read_slot(&layer.field, graph, slot, w, h);
+    ssfr_result result = ssfr_frame_read(&layer.field, graph, slot, w, h);
     if (result == SSFR_OK) result = ssfr_exr_save(path, 1, &layer, record->n, record->items);
     ssfr_field_destroy(&layer.field);
     return result;

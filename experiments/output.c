@@ -24,15 +24,18 @@ static bool is_folder(const char *path)
     return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-/* The folder that the path stands in can be written to. */
+/* The folder that the path stands in can be written to. "new/" stands where "new" does. */
 static ssfr_result check_parent(const char *path)
 {
     ssfr_result result = SSFR_OK;
-    const char *slash = strrchr(path, '/');
+    size_t n = strlen(path);
     char *parent = NULL;
-    SSFR_TRY(ssfr_alloc(&parent, strlen(path) + 2, 1, "a path"));
-    if (slash)
-        memcpy(parent, path, slash == path ? 1 : (size_t)(slash - path));
+    SSFR_TRY(ssfr_alloc(&parent, n + 2, 1, "a path"));
+    while (n > 1 && path[n - 1] == '/') n--;
+    while (n > 0 && path[n - 1] != '/') n--;
+    while (n > 1 && path[n - 1] == '/') n--;
+    if (n > 0)
+        memcpy(parent, path, n);
     else
         parent[0] = '.';
     if (access(parent, F_OK) == 0 && !is_folder(parent))

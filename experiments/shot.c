@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shot.c: reading a frame and measuring it against its twin and against a reference. */
 #include "experiments/shot.h"
+#include "experiments/frame_file.h"
 
 #include "graph/pass.h"
 #include "metrics/metrics.h"
@@ -49,31 +50,13 @@ ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline)
     return result;
 }
 
-/* An image that was left out is one neutral pixel: repeated, it compares with any other. */
-static ssfr_result widen(ssfr_field **field, int w, int h)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_field *small = *field, *wide = NULL;
-    if (small->w != 1 || small->h != 1 || (w == 1 && h == 1)) return SSFR_OK;
-    SSFR_TRY(ssfr_field_create(&wide, w, h, small->c));
-    for (int y = 0; y < h; y++)
-        for (int x = 0; x < w; x++)
-            memcpy(ssfr_field_at(wide, x, y), small->data, (size_t)small->c * sizeof *small->data);
-    ssfr_field_destroy(field);
-    *field = wide;
-end:
-    return result;
-}
-
 ssfr_result ssfr_shot_take(ssfr_shot *shot, const ssfr_graph *graph, const ssfr_pipeline *pipeline, int w, int h)
 {
     ssfr_result result = SSFR_OK;
     ssfr_shot_finish(shot);
     for (int part = 0; part < SSFR_SHOT_PARTS; part++) {
         const char *slot = slot_of(graph, pipeline, (ssfr_shot_part)part);
-        if (!slot) continue;
-        SSFR_TRY(ssfr_graph_read(graph, slot, &shot->parts[part]));
-        SSFR_TRY(widen(&shot->parts[part], w, h));
+        if (slot) SSFR_TRY(ssfr_frame_read(&shot->parts[part], graph, slot, w, h));
     }
 end:
     return result;

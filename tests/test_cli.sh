@@ -78,6 +78,8 @@ that 'the PNG is one' is_png block.png
 accepts 'the same again, with everything kept' render block -o kept.exr $small --keep-all
 accepts 'leaving out changes no bit' compare kept.exr block.exr \
     --require max_abs==0 --require Z.max_abs==0 --require N.max_abs==0 --require T.max_abs==0
+accepts 'no pass at all' render block -o none.png $small --set background.off=1 --set composite.off=1
+accepts 'still gives an image of the size asked for' compare none.png none.png --mask block.exr:R
 accepts 'another seed' render block -o seed.exr $small --seed 2
 accepts 'another seed gives another block' compare seed.exr block.exr --require 'max_abs>0'
 accepts 'a parameter' render block -o flow.exr $small --set curvature_flow.iterations=0
@@ -92,6 +94,8 @@ that 'graph.json tells what ran' grep -q '"status": "ran"' dump/graph.json
 that 'graph.json tells what was left out and why' grep -q '"why": "[^"]' dump/graph.json
 that 'graph.json holds the command line' grep -q '"command": "ssfr render block --dump dump' dump/graph.json
 that 'graph.json holds each parameter' grep -q '"curvature_flow.iterations": [0-9]' dump/graph.json
+accepts 'a folder by its name with a slash' render block --dump new/ $small
+that 'is made' is_exr new/color.exr
 accepts 'the dump is the picture' compare dump/color.exr block.exr --require max_abs==0
 that 'the EXR holds the camera' grep -aq camera.eye.x block.exr
 that 'the EXR holds each parameter' grep -aq curvature_flow.iterations block.exr
