@@ -295,6 +295,23 @@ static void datasets_of_another_kind_are_refused(void **state)
     }
 }
 
+/* HDF5 reads all of an attribute, however many strings it has. */
+static void units_are_one_string(void **state)
+{
+    (void)state;
+    static const char many[64][31] = {"m"};
+    const dataset position = {"position", H5T_IEEE_F64LE, 2, {3, 3}, values, NULL};
+    const char *path = make_file("particles", &radius, 1, &position);
+    const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), id = H5Dopen2(file, "particles/position", H5P_DEFAULT);
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, sizeof many[0]);
+    put_attribute(id, "units", type, SSFR_COUNT(many), many);
+    H5Tclose(type);
+    H5Dclose(id);
+    H5Fclose(file);
+    assert_refused(path, SSFR_ERR_FORMAT, "made.h5: position: units: expected one short string of fixed length");
+}
+
 static void files_without_particles_are_refused(void **state)
 {
     (void)state;
@@ -507,6 +524,7 @@ int main(void)
         cmocka_unit_test(saving_to_a_full_disk_fails_and_leaves_the_old_file),
         cmocka_unit_test(other_types_without_units_are_read),
         cmocka_unit_test(datasets_of_another_kind_are_refused),
+        cmocka_unit_test(units_are_one_string),
         cmocka_unit_test(files_without_particles_are_refused),
         cmocka_unit_test(counts_that_the_file_cannot_hold_are_refused),
         cmocka_unit_test(deflated_chunks_larger_than_the_dataset_are_refused),

@@ -85,17 +85,19 @@ static ssfr_result check_units(const source *s, hid_t dataset, const char *name,
 {
     ssfr_result result = SSFR_OK;
     char text[32] = "";
-    hid_t attribute = 0, type = 0;
+    hid_t attribute = 0, type = 0, space = 0;
     if (H5Aexists(dataset, "units") <= 0) return SSFR_OK;
     attribute = H5Aopen(dataset, "units", H5P_DEFAULT);
     type = attribute < 0 ? -1 : H5Aget_type(attribute);
-    if (type < 0 || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) || H5Tget_size(type) >= sizeof text ||
-        H5Aread(attribute, type, text) < 0)
-        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: units: expected a short string of fixed length", s->reading->path,
-                           name);
+    space = attribute < 0 ? -1 : H5Aget_space(attribute);
+    if (type < 0 || space < 0 || H5Sget_simple_extent_npoints(space) != 1 || H5Tget_class(type) != H5T_STRING ||
+        H5Tis_variable_str(type) || H5Tget_size(type) >= sizeof text || H5Aread(attribute, type, text) < 0)
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: units: expected one short string of fixed length",
+                           s->reading->path, name);
     else if (strcmp(text, unit) != 0)
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected units \"%s\", found \"%s\"", s->reading->path, name, unit,
                            ssfr_printable(text, (char[SSFR_FOUND]){0}));
+    drop(space);
     drop(type);
     drop(attribute);
     return result;
