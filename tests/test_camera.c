@@ -84,6 +84,18 @@ static void the_length_of_up_does_not_matter(void **state)
     }
 }
 
+static void an_up_almost_along_the_view_gives_right_angles(void **state)
+{
+    (void)state;
+    const double eye[3] = {2.385, -1.7, 0.31}, target[3] = {0, 0, 0};
+    for (double lean = 0.1; lean > 1e-11; lean /= 10) {
+        const double up[3] = {eye[0], eye[1] + lean, eye[2]};
+        const ssfr_camera c = look(eye, target, up, 0.77, 640, 360);
+        assert_orthonormal(&c);
+        assert_true(c.up[1] > 0);
+    }
+}
+
 static void angles_of_view_lie_between_0_and_pi(void **state)
 {
     (void)state;
@@ -147,6 +159,7 @@ int main(void)
         cmocka_unit_test(pixels_are_square_for_every_size),
         cmocka_unit_test(random_cameras_are_orthonormal),
         cmocka_unit_test(the_length_of_up_does_not_matter),
+        cmocka_unit_test(an_up_almost_along_the_view_gives_right_angles),
         cmocka_unit_test(angles_of_view_lie_between_0_and_pi),
         cmocka_unit_test(sizes_outside_the_limits_are_refused),
         cmocka_unit_test(views_without_a_direction_are_refused),

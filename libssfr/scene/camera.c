@@ -35,6 +35,12 @@ ssfr_result ssfr_camera_look(ssfr_camera *out, const double eye[3], const double
     ssfr_cross(upwards, c.back, c.right);
     if (!(ssfr_normalize(c.right) > 1e-12))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: up %g,%g,%g is along the view", up[0], up[1], up[2]);
+    /* An up almost along the view leaves right few true digits: what of it lies along the view is taken off. */
+    const double along = ssfr_dot(c.right, c.back);
+    if (fabs(along) > 1e-15) {
+        for (int k = 0; k < 3; k++) c.right[k] -= along * c.back[k];
+        ssfr_normalize(c.right);
+    }
     ssfr_cross(c.back, c.right, c.up);
     c.tan_y = tan(fov_y / 2);
     c.tan_x = c.tan_y * w / h;
