@@ -61,6 +61,11 @@ void ssfr_meta_processor(char *text, size_t size)
     if (file) fclose(file);
 }
 
+const char *ssfr_meta_commit(void)
+{
+    return SSFR_COMMIT;
+}
+
 ssfr_result ssfr_meta_record_scene(ssfr_record *record, const ssfr_stage *stage)
 {
     char text[24];
@@ -71,7 +76,8 @@ ssfr_result ssfr_meta_record_scene(ssfr_record *record, const ssfr_stage *stage)
 
 static void put_program(ssfr_json *json, const ssfr_meta *meta)
 {
-    static const char commit[] = SSFR_COMMIT, dirty[] = "-dirty";
+    static const char dirty[] = "-dirty";
+    const char *commit = ssfr_meta_commit();
     const size_t length = strlen(commit), end = strlen(dirty);
     const bool is_dirty = length > end && strcmp(commit + length - end, dirty) == 0;
     char text[64];
@@ -150,11 +156,7 @@ static ssfr_result put_parameters(ssfr_json *json, const ssfr_meta *meta)
     ssfr_json_object(json, "parameters");
     for (int i = 0; i < record.n; i++) {
         const ssfr_attribute *item = &record.items[i];
-        if (meta->spec && ssfr_sweep_spec_axis(meta->spec, item->name)) continue;
-        if (item->text)
-            ssfr_json_text(json, item->name, item->text);
-        else
-            ssfr_json_number(json, item->name, item->number);
+        if (!meta->spec || !ssfr_sweep_spec_axis(meta->spec, item->name)) ssfr_record_item_json(item, json);
     }
     ssfr_json_close(json);
     ssfr_record_finish(&record);
@@ -262,7 +264,8 @@ ssfr_result ssfr_meta_check(const char *table, uint64_t identity)
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: has no identity, it is not of this program", path);
     else if (strtoull(at + strlen(key), NULL, 16) != identity)
         result = ssfr_fail(SSFR_ERR_VALUE,
-                           "%s: was measured with other settings, scenes or hardware: nothing to resume", table);
+                           "%s: was measured with other settings, scenes, hardware or another build: nothing to resume",
+                           table);
 end:
     free(text);
     free(path);

@@ -13,6 +13,9 @@ uint64_t ssfr_hash_text(uint64_t hash, const char *text); /* with its closing ze
 /* Of the world positions, in the order of the packed set. */
 uint64_t ssfr_hash_particles(const ssfr_particles *particles);
 
+/* The commit that the program was built from, "-dirty" behind it when files differed from it; "" when not known. */
+const char *ssfr_meta_commit(void);
+
 /* "Intel(R) ..." or "unknown". */
 void ssfr_meta_processor(char *text, size_t size);
 

@@ -153,13 +153,15 @@ end:
     return result;
 }
 
+void ssfr_record_item_json(const ssfr_attribute *item, ssfr_json *json)
+{
+    if (item->text)
+        ssfr_json_text(json, item->name, item->text);
+    else
+        ssfr_json_number(json, item->name, item->number);
+}
+
 void ssfr_record_json(const ssfr_record *record, ssfr_json *json)
 {
-    for (int i = 0; i < record->n; i++) {
-        const ssfr_attribute *item = &record->items[i];
-        if (item->text)
-            ssfr_json_text(json, item->name, item->text);
-        else
-            ssfr_json_number(json, item->name, item->number);
-    }
+    for (int i = 0; i < record->n; i++) ssfr_record_item_json(&record->items[i], json);
 }

@@ -26,6 +26,8 @@ SSFR_MUST ssfr_result ssfr_record_stage(ssfr_record *record, const ssfr_stage *s
 /* Every parameter of the graph. */
 SSFR_MUST ssfr_result ssfr_record_graph(ssfr_record *record, const ssfr_graph *graph);
 
+/* One item as a member of the open object. */
+void ssfr_record_item_json(const ssfr_attribute *item, ssfr_json *json);
 /* All items as members of the open object. */
 void ssfr_record_json(const ssfr_record *record, ssfr_json *json);
 

@@ -27,11 +27,6 @@ struct ssfr_rig {
 
 /* ---- values of axes ---------------------------------------------------------------------------------------------- */
 
-static bool is_parameter(const ssfr_axis *axis)
-{
-    return strchr(axis->key, '.') != NULL;
-}
-
 const char *ssfr_rig_value(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES], const char *key)
 {
     const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, key);
@@ -93,10 +88,10 @@ static ssfr_result check_own(const ssfr_axis *axis, const char *value)
 static ssfr_result check_axis(ssfr_graph *graph, const ssfr_pipeline *pipeline, const ssfr_axis *axis)
 {
     ssfr_result result = SSFR_OK;
-    if (is_parameter(axis)) SSFR_TRY(check_key(graph, pipeline, axis->where, axis->key));
+    if (ssfr_axis_is_parameter(axis->key)) SSFR_TRY(check_key(graph, pipeline, axis->where, axis->key));
     for (size_t i = 0; i < axis->n; i++)
-        SSFR_TRY(is_parameter(axis) ? ssfr_graph_set(graph, axis->key, axis->values[i])
-                                    : check_own(axis, axis->values[i]));
+        SSFR_TRY(ssfr_axis_is_parameter(axis->key) ? ssfr_graph_set(graph, axis->key, axis->values[i])
+                                                   : check_own(axis, axis->values[i]));
 end:
     return result;
 }
@@ -204,7 +199,7 @@ static ssfr_result set_parameters(const ssfr_rig *rig, ssfr_graph *graph, const 
     ssfr_result result = SSFR_OK;
     const ssfr_sweep_spec *spec = rig->o->spec;
     for (int i = 0; i < spec->n_axes && result == SSFR_OK; i++)
-        if (is_parameter(&spec->axes[i]))
+        if (ssfr_axis_is_parameter(spec->axes[i].key))
             result = ssfr_graph_set(graph, spec->axes[i].key, spec->axes[i].values[index[i]]);
     return result;
 }
@@ -222,7 +217,7 @@ static bool same_run(const ssfr_sweep_spec *spec, const size_t a[SSFR_MAX_AXES],
     bool same = true;
     for (int i = 0; i < spec->n_axes; i++) {
         const bool backend = strcmp(spec->axes[i].key, "backend") == 0;
-        if (!backend && !(reference && is_parameter(&spec->axes[i]))) same &= a[i] == b[i];
+        if (!backend && !(reference && ssfr_axis_is_parameter(spec->axes[i].key))) same &= a[i] == b[i];
     }
     return same;
 }

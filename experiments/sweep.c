@@ -9,7 +9,7 @@
 #include "experiments/rig.h"
 #include "experiments/setup.h"
 
-#include <errno.h>
+#include <omp.h>
 #include <signal.h>
 
 /* Columns behind the parameters that tell one row from another. */
@@ -56,7 +56,7 @@ static void fill_key(const sweep *s, const size_t index[SSFR_MAX_AXES], key *k)
 {
     int n = 0, size[2] = {0, 0};
     for (int i = 0; i < s->spec->n_axes; i++)
-        if (strchr(s->spec->axes[i].key, '.')) k->cells[n++] = s->spec->axes[i].values[index[i]];
+        if (ssfr_axis_is_parameter(s->spec->axes[i].key)) k->cells[n++] = s->spec->axes[i].values[index[i]];
     ssfr_rig_size(ssfr_rig_value(s->spec, index, "size"), size);
     snprintf(k->width, sizeof k->width, "%d", size[0]);
     snprintf(k->height, sizeof k->height, "%d", size[1]);
@@ -83,7 +83,7 @@ static ssfr_result name_columns(sweep *s)
     SSFR_TRY(ssfr_graph_create(&graph, s->pipeline, NULL)); /* knows the units */
     for (int i = 0; i < s->spec->n_axes; i++) {
         const char *name = s->spec->axes[i].key;
-        if (strchr(name, '.')) add_column(s, name, ssfr_graph_row(graph, name)->unit);
+        if (ssfr_axis_is_parameter(name)) add_column(s, name, ssfr_graph_row(graph, name)->unit);
     }
     for (size_t i = 0; i < N_OWN; i++) add_column(s, own_keys[i], "1");
     s->n_keys = s->n_columns;
@@ -190,20 +190,23 @@ static uint64_t hash_settings(uint64_t hash, const ssfr_settings *settings)
     return ssfr_hash_text(hash, "");
 }
 
-/* Rows measured with other settings, another view or on other hardware must not stand in one table. */
+/* Rows measured with other settings, another view, by another build or on other hardware must not stand in one table:
+ * its metadata would say of all of them what is true of the last alone. */
 static uint64_t identity_of(const sweep *s)
 {
     const ssfr_stage_options *v = &s->o->stage;
+    const double view[] = {v->radius, v->fov_deg, v->eye[0], v->eye[1], v->eye[2], v->target[0],
+                           v->target[1], v->target[2], v->up[0], v->up[1], v->up[2]};
     char text[512];
     uint64_t hash = ssfr_hash_text(SSFR_HASH, ssfr_pipeline_name(s->pipeline));
     hash = hash_settings(hash_settings(hash, &s->spec->settings), &s->spec->reference);
-    snprintf(text, sizeof text, "%d %ld %d %g %g %g %g %g %g %g %g %g %g %g %d %d", s->spec->has_reference, s->o->seed,
-             v->drop_nonfinite, v->radius, v->fov_deg, v->eye[0], v->eye[1], v->eye[2], v->target[0], v->target[1],
-             v->target[2], v->up[0], v->up[1], v->up[2], s->o->quick, s->o->no_twin);
+    snprintf(text, sizeof text, "%s %s %d %d %ld %d %d %d", ssfr_version(), ssfr_meta_commit(), omp_get_max_threads(),
+             s->spec->has_reference, s->o->seed, v->drop_nonfinite, s->o->quick, s->o->no_twin);
     hash = ssfr_hash_text(hash, text);
+    hash = ssfr_hash_bytes(hash, view, sizeof view);
     ssfr_meta_processor(text, sizeof text);
     hash = ssfr_hash_text(hash, text);
-    return s->gl ? ssfr_hash_text(hash, ssfr_gl_renderer(s->gl)) : hash;
+    return s->gl ? ssfr_hash_text(ssfr_hash_text(hash, ssfr_gl_renderer(s->gl)), ssfr_gl_version(s->gl)) : hash;
 }
 
 /* Loads each scene once before the first run: a file that is malformed is found out, and its content recorded. */

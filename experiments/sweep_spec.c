@@ -7,7 +7,7 @@
 #include <yaml.h>
 
 enum { MAX_FILE = 1 << 20, MAX_RUNS = 10000000 };
-static const double hit = 1e-9; /* steps by which hi may be missed and still be included */
+static const double hit = 1e-9; /* steps by which hi may be missed and still be included, or 0 and still be 0 */
 
 static ssfr_result copy_text(char **out, const char *text, size_t length)
 {
@@ -113,7 +113,8 @@ static ssfr_result init_range(ssfr_axis *axis, const char *where, const char *ke
     SSFR_TRY(count_range(&r, where, key, text, &n));
     SSFR_TRY(init_axis(axis, where, key, (size_t)n));
     for (double i = 0; i < n; i++) {
-        const double value = r.log ? exp(ssfr_mix(log(r.lo), log(r.hi), i / (n - 1))) : r.lo + i * r.step;
+        double value = r.log ? exp(ssfr_mix(log(r.lo), log(r.hi), i / (n - 1))) : r.lo + i * r.step;
+        if (!r.log && fabs(value) < hit * fabs(r.step)) value = 0; /* in doubles -0.3 + 3 * 0.1 is not 0 */
         SSFR_TRY(add_number(axis, value));
     }
 end:
@@ -138,8 +139,7 @@ end:
     return result;
 }
 
-/* Names of scenes may hold colons, so only parameters have ranges. */
-static bool is_parameter(const char *key)
+bool ssfr_axis_is_parameter(const char *key)
 {
     return strchr(key, '.') != NULL;
 }
@@ -167,7 +167,7 @@ static ssfr_result put_axis(ssfr_sweep_spec *spec, ssfr_axis *axis)
 static ssfr_result check_axis_key(const char *where, const char *key)
 {
     static const char *const own[] = {"scene", "size", "backend"};
-    bool known = is_parameter(key);
+    bool known = ssfr_axis_is_parameter(key);
     for (size_t i = 0; i < SSFR_COUNT(own); i++) known |= strcmp(key, own[i]) == 0;
     if (known) return SSFR_OK;
     return ssfr_fail(SSFR_ERR_UNKNOWN,
@@ -179,7 +179,7 @@ ssfr_result ssfr_sweep_spec_vary(ssfr_sweep_spec *spec, const char *where, const
     ssfr_result result = SSFR_OK;
     ssfr_axis axis = {0};
     SSFR_TRY(check_axis_key(where, key));
-    if (is_parameter(key) && strchr(values, ':'))
+    if (ssfr_axis_is_parameter(key) && strchr(values, ':')) /* names of scenes may hold colons */
         SSFR_TRY(init_range(&axis, where, key, values));
     else
         SSFR_TRY(init_list(&axis, where, key, values));

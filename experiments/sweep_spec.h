@@ -32,6 +32,9 @@ typedef struct ssfr_axis {
     char *where;   /* "spec.yaml:7:3" or the option, for messages */
 } ssfr_axis;
 
+/* The key of an axis is a parameter's ("node.param"), not "scene", "size" or "backend". */
+bool ssfr_axis_is_parameter(const char *key);
+
 typedef struct ssfr_setting {
     char *key, *value, *where;
 } ssfr_setting;

@@ -47,6 +47,8 @@ static void a_range_includes_its_end_when_it_is_hit(void **state)
     assert_axis("flow.step=2.385:2.385:1", "2.385");
     assert_axis("flow.step=0:0.29999999999:0.1", "0 0.1 0.2 0.3");
     assert_axis("flow.step=0:0.29999999:0.1", "0 0.1 0.2");
+    assert_axis("flow.step=-0.3:0.3:0.3", "-0.3 0 0.3");
+    assert_axis("flow.step=-0.3:0.1:0.1", "-0.3 -0.2 -0.1 0 0.1");
 }
 
 static void a_logarithmic_range_has_equal_ratios(void **state)
@@ -54,6 +56,7 @@ static void a_logarithmic_range_has_equal_ratios(void **state)
     (void)state;
     assert_axis("flow.step=0.001:1000:7 log", "0.001 0.01 0.1 1 10 100 1000");
     assert_axis("flow.step=9:1:3 log", "9 3 1");
+    assert_axis("flow.step=1e-12:1e-10:3 log", "1e-12 1e-11 1e-10");
 }
 
 static void malformed_axes_are_refused(void **state)
