@@ -158,7 +158,7 @@ static ssfr_result load(const char *path, const char *channels, ssfr_field **out
 static ssfr_result load_mask(const char *argument, ssfr_field **out)
 {
     ssfr_result result = SSFR_OK;
-    const char *colon = strrchr(argument, ':');
+    const char *slash = strrchr(argument, '/'), *colon = strrchr(slash ? slash : argument, ':');
     char *path = NULL, *all = NULL;
     SSFR_TRY(ssfr_alloc(&path, strlen(argument) + 1, 1, "a path"));
     memcpy(path, argument, colon ? (size_t)(colon - argument) : strlen(argument));

@@ -99,6 +99,7 @@ static source find_source(const ssfr_pass *pass, int k, const filter_options *op
 typedef struct inputs {
     int w, h; /* px, of the largest image */
     int n;
+    int n_depths;
     ssfr_depth_range range;
 } inputs;
 
@@ -111,7 +112,10 @@ static ssfr_result import(ssfr_graph *graph, const ssfr_port *port, const source
     SSFR_TRY(ssfr_exr_load(from->file, from->names, &field));
     in->n++;
     in->w = ssfr_max_int(in->w, field->w), in->h = ssfr_max_int(in->h, field->h);
-    if (strcmp(ssfr_slots[port->slot].exr, "Z") == 0) ssfr_depth_convert(&format, field, &in->range);
+    if (strcmp(ssfr_slots[port->slot].exr, "Z") == 0) {
+        ssfr_depth_convert(&format, field, &in->range);
+        in->n_depths++;
+    }
     SSFR_TRY(ssfr_graph_import(graph, port->name, field));
     ssfr_log(SSFR_INFO, "%s reads %s of %s, %dx%d px", port->name, from->names, from->file, field->w, field->h);
 end:
@@ -155,8 +159,8 @@ static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const fi
         goto end;
     }
     warn_of_empty(pass, options, file, channels);
-    if (in->range.n == 0 && ssfr_channels_include(channels, "Z"))
-        ssfr_log(SSFR_WARNING, "%s: no pixel of Z is a surface; is --depth right?", file);
+    if (in->n_depths && in->range.n == 0)
+        ssfr_log(SSFR_WARNING, "%s: no pixel of depth is a surface; is --depth right?", file);
 end:
     free(channels);
     return result;

@@ -165,6 +165,8 @@ accepts 'a difference' compare seed.exr block.exr --diff diff.exr
 accepts 'the difference is zero where nothing differs' compare block.exr block.exr --diff zero.exr
 accepts 'a mask of nothing' compare seed.exr block.exr --mask zero.exr:R
 that 'counts nothing' [ "$(csv_value out psnr)" = NaN ]
+mkdir a:b && cp zero.exr a:b/mask.exr
+accepts 'a mask in a folder with a colon' compare seed.exr block.exr --mask a:b/mask.exr
 accepts 'other channels that both have' compare dump/noise.exr dump/noise.exr --require noise.max_abs==0
 refuses 'a difference into nowhere' 'no/diff.exr: cannot be written' compare block.exr block.exr --diff no/diff.exr
 refuses 'an image that is not there' 'none.exr' compare none.exr block.exr
@@ -188,6 +190,8 @@ that 'no refused pass writes' nothing_at n.exr n.png
 accepts 'another channel as depth' filter normals block.exr -o n.exr --backend cpu --channel depth=T --depth positive
 accepts 'a depth image of the wrong kind' filter normals block.exr -o n.exr --backend cpu --depth positive
 that 'is warned of' grep -q 'warning: .*is --depth right' err
+accepts 'in a channel of any name' filter normals dump/thickness.exr -o n.exr --backend cpu --channel depth=T
+that 'as well' grep -q 'warning: .*is --depth right' err
 
 # ---- lists ----
 
