@@ -6,10 +6,10 @@
 
 ssfr_result ssfr_param_table_begin(ssfr_table *table)
 {
-    static const char *const heads[SSFR_PARAM_COLUMNS] = {"PARAMETER", "UNIT", "VALUE", "RANGE", "HELP"};
+    static const char *const heads[] = {"PARAMETER", "UNIT", "VALUE", "RANGE", "HELP"};
     ssfr_result result = SSFR_OK;
-    ssfr_table_init(table, SSFR_PARAM_COLUMNS);
-    for (int i = 0; i < SSFR_PARAM_COLUMNS && result == SSFR_OK; i++) result = ssfr_table_add(table, "%s", heads[i]);
+    ssfr_table_init(table, SSFR_COUNT(heads));
+    for (size_t i = 0; i < SSFR_COUNT(heads) && result == SSFR_OK; i++) result = ssfr_table_add(table, "%s", heads[i]);
     return result;
 }
 

@@ -5,8 +5,6 @@
 
 #include "experiments/console.h"
 
-enum { SSFR_PARAM_COLUMNS = 5 };
-
 /* The table's heading. */
 SSFR_MUST ssfr_result ssfr_param_table_begin(ssfr_table *table);
 /* One row; value NULL stands for the row's default. */

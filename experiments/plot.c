@@ -178,13 +178,14 @@ static void put_axis(FILE *file, char name, const axis *a)
     put_log_tics(file, name, lo, hi);
 }
 
+/* The points that p holds now, as the data block $<name><line>. */
 static void put_points(const plot *p, FILE *file, const char *name, size_t line, bool only_front)
 {
     fprintf(file, "$%s%zu << EOD\n", name, line);
     for (size_t i = 0; i < p->n_points; i++) {
         const ssfr_point *point = &p->points[i];
-        if ((line < p->n_names && point->line != line) || (only_front && !point->front)) continue;
-        fprintf(file, "%.9g %.9g\n", p->x.sign * point->x, p->y.sign * point->y);
+        if (!only_front || point->front)
+            fprintf(file, "%.9g %.9g\n", p->x.sign * point->x, p->y.sign * point->y);
     }
     fputs("EOD\n", file);
 }

@@ -61,7 +61,8 @@ static ssfr_result apply_one(ssfr_graph *graph, const char *setting)
     return ssfr_graph_set(graph, key, setting + length + 1);
 }
 
-ssfr_result ssfr_setup_apply(ssfr_graph *graph, const ssfr_list *settings)
+/* Sets each "key=value" of the list. */
+static ssfr_result apply(ssfr_graph *graph, const ssfr_list *settings)
 {
     ssfr_result result = SSFR_OK;
     for (int i = 0; i < settings->n && result == SSFR_OK; i++) result = apply_one(graph, settings->items[i]);
@@ -78,7 +79,7 @@ ssfr_result ssfr_setup_init(ssfr_setup *setup, const ssfr_setup_options *options
         SSFR_TRY(ssfr_graph_create_for_pass(&setup->graph, pass, setup->gl));
     else
         SSFR_TRY(ssfr_graph_create(&setup->graph, setup->pipeline, setup->gl));
-    SSFR_TRY(ssfr_setup_apply(setup->graph, &options->settings));
+    SSFR_TRY(apply(setup->graph, &options->settings));
 end:
     if (result != SSFR_OK) ssfr_setup_finish(setup);
     return result;

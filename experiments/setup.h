@@ -31,7 +31,4 @@ SSFR_MUST ssfr_result ssfr_setup_find_pass(const ssfr_pass **out, const char *na
 SSFR_MUST ssfr_result ssfr_setup_init(ssfr_setup *setup, const ssfr_setup_options *options, const ssfr_pass *pass);
 void ssfr_setup_finish(ssfr_setup *setup);
 
-/* Sets each "key=value" of the list. */
-SSFR_MUST ssfr_result ssfr_setup_apply(ssfr_graph *graph, const ssfr_list *settings);
-
 #endif

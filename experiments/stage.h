@@ -37,7 +37,8 @@ SSFR_MUST ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options
 /* Bounds of the particles as balls, m, world: those of their centres and a radius around. */
 void ssfr_stage_bounds(const ssfr_stage *stage, double lo[3], double hi[3]);
 
-/* The part of them that the default view frames, m: all below the built-in scene's top; a unit box without particles. */
+/* The part of them that the default view frames, m: all below the built-in scene's top; a unit box when there are no
+ * particles. */
 void ssfr_stage_view_box(const ssfr_stage *stage, double lo[3], double hi[3]);
 
 #endif

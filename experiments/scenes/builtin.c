@@ -92,7 +92,8 @@ static const ssfr_solid tank[] = {
 
 static const ssfr_builtin builtins[] = {
     {.name = "double_dam_break", .help = "one frame of a simulated double dam break, cut to a box",
-     .make = make_double_dam_break, .from = {0.75, 0.42, 1}, .top = 1.6, .floor = 0, .n_solids = SSFR_COUNT(tank), .solids = tank},
+     .make = make_double_dam_break, .from = {0.75, 0.42, 1}, .top = 1.6, .floor = 0,
+     .n_solids = SSFR_COUNT(tank), .solids = tank},
     {.name = "sphere", .help = "one particle of radius 0.5 m", .make = make_sphere, .from = {0, 0, 1}, .floor = NAN},
     {.name = "plane", .help = "a flat upright grid of 40 x 40 overlapping particles", .make = make_plane,
      .from = {0, 0, 1}, .floor = NAN},
