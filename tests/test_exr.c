@@ -523,6 +523,21 @@ static void what_is_not_read_is_said(void **state)
     assert_null(field);
 }
 
+/* The chunks are such as a flat image makes; that they decode to nothing is found later than their length. */
+static void a_flat_image_in_dwa_may_be_much_larger_than_its_file(void **state)
+{
+    (void)state;
+    const char *path = test_path("dwa.exr");
+    ssfr_field *field = NULL;
+    const variant v = {.storage = EXR_STORAGE_SCANLINE, .compression = EXR_COMPRESSION_DWAA, .w = 3000, .h = 2000,
+                       .sampling = 1, .n_parts = 1};
+    write_variant(path, &v);
+    test_clear_log();
+    assert_int_not_equal(ssfr_exr_load(path, "B", &field), SSFR_OK);
+    assert_null(strstr(test_last_error(), "cannot hold"));
+    assert_null(field);
+}
+
 /* ---- bad requests and bad files --------------------------------------------------------------------------------- */
 
 static void what_is_missing_is_named(void **state)
@@ -701,6 +716,7 @@ int main(void)
         cmocka_unit_test(a_tile_may_be_larger_than_the_image),
         cmocka_unit_test(the_first_level_of_a_mipmap_is_read),
         cmocka_unit_test(what_is_not_read_is_said),
+        cmocka_unit_test(a_flat_image_in_dwa_may_be_much_larger_than_its_file),
         cmocka_unit_test(what_is_missing_is_named),
         cmocka_unit_test(what_is_no_file_is_refused),
         cmocka_unit_test(declared_sizes_are_not_believed),

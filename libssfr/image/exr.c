@@ -10,8 +10,9 @@ enum {
     SHORT_NAME = 31, /* bytes of a name that every reader takes; longer ones set a flag in the header */
     LONG_NAME = 255, /* bytes of a name at most */
     /* Image bytes that one byte of a file can at most stand for, rounded up: deflate reaches 1032, and PXR24 packs
-     * floats into three bytes before it; the other compressions stay below. */
+     * floats into three bytes before it; those before DWA stay below. DWA deflates four bytes a block of 64 values. */
     MAX_RATIO = 2048,
+    DWA_RATIO = 1 << 17,
 };
 
 /* The library says first what is wrong and then what that spoilt. The first line since begin_quietly() is kept here,
@@ -379,12 +380,15 @@ static ssfr_result check_window(source *s)
 {
     ssfr_result result = SSFR_OK;
     exr_attr_box2i_t window;
+    exr_compression_t compression;
     EXR_TRY(s->path, exr_get_data_window(s->context, 0, &window));
+    EXR_TRY(s->path, exr_get_compression(s->context, 0, &compression));
+    const uint64_t ratio = compression < EXR_COMPRESSION_DWAA ? MAX_RATIO : DWA_RATIO;
     const int64_t w = (int64_t)window.max.x - window.min.x + 1, h = (int64_t)window.max.y - window.min.y + 1;
     if (w < 1 || h < 1 || w > SSFR_MAX_SIZE || h > SSFR_MAX_SIZE)
         result = ssfr_fail(SSFR_ERR_VALUE, "%s: %lld x %lld pixels: sides go from 1 to %d", s->path, (long long)w,
                            (long long)h, SSFR_MAX_SIZE);
-    else if ((uint64_t)(w * h) * pixel_size(s) / MAX_RATIO > s->size)
+    else if ((uint64_t)(w * h) * pixel_size(s) / ratio > s->size)
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %llu bytes cannot hold %lld x %lld pixels", s->path,
                            (unsigned long long)s->size, (long long)w, (long long)h);
     s->left = window.min.x, s->top = window.min.y, s->w = (int)w, s->h = (int)h;
