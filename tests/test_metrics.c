@@ -182,7 +182,7 @@ static void oblique_normals_keep_tiny_angles(void **state)
     ssfr_field_destroy(&b);
 }
 
-/* Two normals that differ in the last digits of one number: the angle is that of the numbers, not of rounded products. */
+/* Two normals that differ in the last digits of one number: the angle is of the numbers, not of rounded products. */
 static void the_last_digits_of_a_normal_count(void **state)
 {
     (void)state;

@@ -35,17 +35,14 @@ static void note(ssfr_gl *gl, const char *text, size_t length)
         if (*at == '\n' || *at == '\r') *at = ' ';
 }
 
-bool ssfr_gl_note_errors(ssfr_gl *gl)
+void ssfr_gl_note_errors(ssfr_gl *gl)
 {
-    bool any = false;
     GLenum code = glGetError();
     /* Bounded, because a lost context reports GL_CONTEXT_LOST for ever. */
     for (int i = 0; code != GL_NO_ERROR && i < SSFR_GL_ERROR_FLAGS; i++, code = glGetError()) {
         const char *name = ssfr_gl_error_name(code);
         note(gl, name, strlen(name));
-        any = true;
     }
-    return any;
 }
 
 static void APIENTRY hear(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length, const GLchar *text,

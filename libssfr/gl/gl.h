@@ -4,8 +4,9 @@
  * Between ssfr_gl_begin and ssfr_gl_end the context is current and in the baseline state:
  * no blending, depth test, cull, scissor, stencil, sRGB or dither; all colour channels written; clip control
  * GL_UPPER_LEFT with GL_NEGATIVE_ONE_TO_ONE (row 0 of every image is its top row, gl_FragCoord.y grows downwards);
- * GL_PROGRAM_POINT_SIZE on, GL_POINT_SPRITE_COORD_ORIGIN upper left; pack and unpack alignment 4, no row length or skip;
- * the empty vertex array of ssfr bound (shaders pull their vertices from buffers); no sampler objects on ssfr's units. */
+ * GL_PROGRAM_POINT_SIZE on, GL_POINT_SPRITE_COORD_ORIGIN upper left; pack and unpack alignment 4, no row length or
+ * skip; the empty vertex array of ssfr bound (shaders pull their vertices from buffers); no sampler objects on ssfr's
+ * units. */
 #ifndef SSFR_GL_H
 #define SSFR_GL_H
 
@@ -29,8 +30,8 @@ bool ssfr_gl_is_host(const ssfr_gl *gl); /* the host's context, whose objects ss
 
 /* Makes the context current; a host's state is saved. Calls do not nest. */
 SSFR_MUST ssfr_result ssfr_gl_begin(ssfr_gl *gl);
-/* Puts a host's state back. Gives SSFR_ERR_GL when the debug output or glGetError reported an error since begin (logged once
- * with the driver's text and the innermost group name); else so_far. */
+/* Puts a host's state back. Gives SSFR_ERR_GL when the debug output or glGetError reported an error since begin (logged
+ * once, with the driver's text and the innermost group's name); else so_far. */
 SSFR_MUST ssfr_result ssfr_gl_end(ssfr_gl *gl, ssfr_result so_far);
 /* Sets the baseline state again; called before each pass, so that no pass leaks state into the next. */
 void ssfr_gl_baseline(ssfr_gl *gl);
@@ -53,13 +54,14 @@ SSFR_MUST ssfr_result ssfr_gl_target(ssfr_gl *gl, int n, const ssfr_texture *con
 SSFR_MUST ssfr_result ssfr_buffer_create(ssfr_gl *gl, unsigned *out, size_t size, const void *data, bool dynamic);
 void ssfr_buffer_destroy(unsigned *buffer);
 
-/* Compiles shaders/<vert> and shaders/<frag>, from the folder that SSFR_SHADER_DIR names where it has the file, else from
- * the binary. A line `#include "name.glsl"` is replaced by that file, once a program stage; an error names the file and its
- * line. defines: lines put after #version, or NULL. Results are cached in gl by (vert, frag, defines); ssfr_gl_destroy frees
- * them. */
-SSFR_MUST ssfr_result ssfr_program_get(ssfr_gl *gl, unsigned *out, const char *vert, const char *frag, const char *defines);
+/* Compiles shaders/<vert> and shaders/<frag>, from the folder that SSFR_SHADER_DIR names where it has the file, else
+ * from the binary. A line `#include "name.glsl"` is replaced by that file, once a program stage; an error names the
+ * file and its line. defines: lines put after #version, or NULL. Results are cached in gl by (vert, frag, defines);
+ * ssfr_gl_destroy frees them. */
+SSFR_MUST ssfr_result ssfr_program_get(ssfr_gl *gl, unsigned *out, const char *vert, const char *frag,
+                                       const char *defines);
 
-/* Images, buffers and programs made since the context was created: a frame that allocates nothing leaves it as it is. */
+/* Images, buffers and programs made since the context was created: a frame that allocates nothing adds none. */
 long ssfr_gl_allocations(const ssfr_gl *gl);
 
 /* GPU timestamps: n pairs. Reading waits for the GPU. */

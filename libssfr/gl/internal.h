@@ -53,9 +53,8 @@ void ssfr_gl_host_restore_debug(ssfr_gl *gl);
 
 /* debug.c */
 const char *ssfr_gl_error_name(GLenum code);
-/* Takes the flags of glGetError; the first becomes the error of ssfr_gl_end unless there is one. False when none
- * was set. */
-bool ssfr_gl_note_errors(ssfr_gl *gl);
+/* Takes the flags of glGetError; the first becomes the error of ssfr_gl_end unless there is one. */
+void ssfr_gl_note_errors(ssfr_gl *gl);
 void ssfr_gl_listen(ssfr_gl *gl);
 
 /* texture.c: lets go of the textures of the last ssfr_gl_target: while attached, their memory outlives them. */
