@@ -63,9 +63,10 @@ vec3 reflected(vec3 n, vec3 view, vec3 position)
 
 float highlight(vec3 n, vec3 view)
 {
-    vec3 world = world_from_eye(n), middle = normalize(world_from_eye(view) + frame.light.xyz);
-    float lit = dot(world, frame.light.xyz) > 0.0 ? frame.light.w : 0.0;
-    return lit * u_specular * pow(max(dot(world, middle), 0.0), u_shininess);
+    vec3 world = world_from_eye(n);
+    if (dot(world, frame.light.xyz) <= 0.0) return 0.0; // also where view and light are opposite, with no middle
+    vec3 middle = normalize(world_from_eye(view) + frame.light.xyz);
+    return frame.light.w * u_specular * pow(max(dot(world, middle), 0.0), u_shininess);
 }
 
 void main()

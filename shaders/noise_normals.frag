@@ -32,6 +32,8 @@ void main()
     if (!is_surface(z)) discard;
     vec3 normal = fetch(t_normal, p).xyz;
     vec2 lean = u_height * vec2(slope(p, ivec2(1, 0)), slope(p, ivec2(0, -1))) / (u_c * abs(z)); // rows go down, y up
-    if (u_height > 0.0) normal = normalize(normal - vec3(lean, 0.0)); // height 0 is the identity to the last bit
+    if (u_height > 0.0) normal -= vec3(lean, 0.0);
+    float size = length(normal);
+    if (u_height > 0.0 && size > 0.0) normal /= size; // height 0 is the identity to the last bit; no normal stays none
     o_shading_normal = vec4(normal, 0.0);
 }

@@ -357,6 +357,28 @@ static void light_from_behind_makes_no_highlight(void **state)
     for (int i = 0; i < 3 * W * H; i++) assert_close(color->data[i], 1, 2 * w.t->eps, 0);
 }
 
+/* Straight into the sun there is no half-way direction: no highlight, and no NaN. */
+static void light_straight_ahead_makes_no_highlight(void **state)
+{
+    static const double eye[3] = {0, 0, 0}, c[1][3] = {{0, 0, -3}};
+    static const double ahead[3] = {1, 0, 0}; /* as the light of azimuth and elevation 0 */
+    test_twin *t = test_twin_create(state, "composite", 33, 25);
+    ssfr_field *normal = test_field(33, 25, 3);
+    for (int i = 0; i < 33 * 25; i++) normal->data[3 * i + 2] = 1;
+    test_twin_look(t, eye, ahead);
+    test_twin_place(t, 1, c, 0.1, NULL);
+    test_twin_set(t, "light.azimuth_deg", "0");
+    test_twin_set(t, "light.elevation_deg", "0");
+    test_twin_set(t, "k", "0");
+    test_twin_set(t, "attenuation", "single");
+    test_twin_set(t, "medium.ior", "1");
+    test_twin_give(t, "scene_color", test_field_filled(33, 25, 3, 0.7));
+    test_twin_give(t, "depth", test_field_filled(33, 25, 1, z0));
+    test_twin_give(t, "normal", normal);
+    const ssfr_field *color = test_twin_run(t, "color");
+    assert_close(*ssfr_field_at(color, 16, 12), 0.7, 4 * t->eps, 0);
+}
+
 /* Every normal half-way between the view and a direction d of the pixel's own: there the view is mirrored to. */
 static void mirror_to(const water *w, int i, const double d[3])
 {
@@ -483,6 +505,7 @@ int main(void)
         TEST_TWINS(what_stands_before_the_water_is_not_refracted),
         TEST_TWINS(highlight_is_a_power_of_the_half_angle),
         TEST_TWINS(light_from_behind_makes_no_highlight),
+        TEST_TWINS(light_straight_ahead_makes_no_highlight),
         TEST_TWINS(sky_is_seen_in_the_mirrored_direction),
         TEST_TWINS(scene_reflected_is_what_the_ray_meets),
         TEST_TWINS(pixels_without_surface_are_untouched),

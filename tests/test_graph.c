@@ -568,6 +568,100 @@ static void low_resolution_without_upsampling_is_refused(void **state)
     test_scene_destroy(&s);
 }
 
+/* Half of a frame's width and height, a slope along x; the flow is off, so that only resolutions change. */
+static ssfr_field *half_slope(ssfr_graph *graph)
+{
+    ssfr_field *depth = test_image(64, 48, 1, 0);
+    for (int i = 0; i < 64 * 48; i++) depth->data[i] = -2.385 - 0.001 * (i % 64);
+    test_graph_set(graph, (const char *[]){"curvature_flow.off=1", "upsample.filter=linear", NULL});
+    assert_int_equal(ssfr_graph_import(graph, "fluid_depth", depth), SSFR_OK);
+    assert_int_equal(ssfr_graph_want(graph, NULL), SSFR_OK);
+    assert_int_equal(ssfr_graph_want(graph, "surface_depth"), SSFR_OK);
+    return depth;
+}
+
+static void low_resolutions_are_scaled_up_to_the_guides(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    test_scene_create_usual(&s, 128, 96);
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
+    ssfr_field *depth = half_slope(graph);
+    ssfr_field *surface = test_graph_picture(graph, &s.scene, "surface_depth", false);
+    assert_int_equal(surface->w, 64);
+    for (int i = 0; i < 64 * 48; i++)
+        if (i % 64 > 1 && i % 64 < 62) assert_close(surface->data[i], depth->data[i], 1e-6, 0);
+    assert_int_equal(test_graph_node(graph, "upsample")->status, SSFR_RAN);
+    ssfr_field_destroy(&surface);
+    ssfr_field_destroy(&depth);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+/* A guide of half the resolution of what it guides. */
+static void images_finer_than_the_guide_are_refused(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    test_scene_create_usual(&s, 128, 96);
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
+    ssfr_field *depth = half_slope(graph), *smooth = test_image(128, 96, 1, -2.385);
+    assert_int_equal(ssfr_graph_import(graph, "smooth_depth", smooth), SSFR_OK);
+    for (int keep_all = 0; keep_all < 2; keep_all++)
+        assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(graph, &s.scene, &(ssfr_run_options){.keep_all = keep_all}),
+                     "upsample: depth has 1/1 of the frame's resolution, the pass works at 1/2");
+    ssfr_field_destroy(&smooth);
+    ssfr_field_destroy(&depth);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+/* Tiles have 32 pixels: a pass at a lower resolution has no whole pixel in one. */
+static void resolutions_below_a_tiles_are_refused(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    test_scene_create_usual(&s, 128, 96);
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
+    ssfr_field *depth = test_image(4, 3, 1, -2.385);
+    assert_int_equal(ssfr_graph_import(graph, "fluid_depth", depth), SSFR_OK);
+    assert_int_equal(ssfr_graph_want(graph, NULL), SSFR_OK);
+    assert_int_equal(ssfr_graph_want(graph, "low_depth"), SSFR_OK);
+    test_graph_set(graph, (const char *[]){"downsample.factor=2", NULL});
+    assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(graph, &s.scene, NULL),
+                 "downsample: 1/64 of the frame's resolution, the lowest is 1/32");
+    test_graph_set(graph, (const char *[]){"downsample.factor=1", NULL});
+    ssfr_field *low = test_graph_picture(graph, &s.scene, "low_depth", false);
+    assert_int_equal(low->w, 4);
+    for (int i = 0; i < 12; i++) assert_close(low->data[i], -2.385, 1e-6, 0);
+    ssfr_field_destroy(&low);
+    ssfr_field_destroy(&depth);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+/* Without a radius a depth_falloff in radii would be 0 m, and the flow would smooth nothing without a word. */
+static void lengths_in_radii_need_a_radius(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    test_scene_create_usual(&s, 128, 96);
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
+    ssfr_field *depth = half_slope(graph);
+    s.scene.particles = NULL;
+    test_graph_set(graph, (const char *[]){"curvature_flow.off=0", NULL});
+    assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(graph, &s.scene, NULL),
+                 "curvature_flow.depth_falloff=5 is in particle radii, and the scene's particles tell no radius");
+    test_graph_set(graph, (const char *[]){"curvature_flow.depth_falloff=0", "upsample.depth_falloff=0", NULL});
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    test_graph_set(graph, (const char *[]){"curvature_flow.depth_falloff=5", "upsample.depth_falloff=5", NULL});
+    s.scene.particles = &(ssfr_particles){.radius = 0.02385};
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    ssfr_field_destroy(&depth);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 /* ---- one pass by itself ------------------------------------------------------------------------------------------ */
 
 static void a_pass_by_itself_answers_to_its_ports(void **state)
@@ -715,7 +809,7 @@ static void the_report_says_what_ran_and_why_not(void **state)
     assert_node(graph, "sphere_depth", SSFR_RAN, "");
     assert_node(graph, "downsample", SSFR_NEEDLESS, "full resolution, or no fluid in view");
     assert_node(graph, "curvature_flow", SSFR_RAN, "");
-    assert_node(graph, "upsample", SSFR_NEEDLESS, "full resolution already, or no fluid in view");
+    assert_node(graph, "upsample", SSFR_NEEDLESS, "the guide's resolution already, or no fluid in view");
     assert_node(graph, "normals", SSFR_OFF, "switched off");
     assert_node(graph, "thickness", SSFR_GIVEN, "its outputs are given");
     assert_node(graph, "surface_noise", SSFR_UNWANTED, "nobody reads what it writes");
@@ -838,6 +932,10 @@ int main(void)
         ON_BOTH(given_depth_tells_how_far_the_fluid_is),
         ON_BOTH(depth_given_at_half_resolution_is_scaled_up),
         ON_BOTH(low_resolution_without_upsampling_is_refused),
+        ON_BOTH(low_resolutions_are_scaled_up_to_the_guides),
+        ON_BOTH(images_finer_than_the_guide_are_refused),
+        ON_BOTH(resolutions_below_a_tiles_are_refused),
+        ON_BOTH(lengths_in_radii_need_a_radius),
         ON_BOTH(a_pass_by_itself_answers_to_its_ports),
         ON_BOTH(running_twice_gives_the_same_bits),
         ON_BOTH(other_frames_in_between_leave_no_trace),

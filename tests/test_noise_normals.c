@@ -127,6 +127,15 @@ static void one_pixel_has_no_slope(void **state)
     assert_normal(run(t, test_field_filled(1, 1, 1, 0.7))->data, normals[1], 4 * t->eps);
 }
 
+/* A normal of no length has none (normals left out), on both twins, not NaN. */
+static void no_normal_stays_none(void **state)
+{
+    static const double none[3] = {0, 0, 0};
+    test_twin *t = begin(state, none);
+    const ssfr_field *same = run(t, test_field_filled(W, H, 1, 0.7));
+    for (int i = 0; i < W * H; i++) assert_normal(same->data + 3 * i, none, 0);
+}
+
 static void noise_normals_refuse_values_out_of_range(void **state)
 {
     test_twin *t = begin(state, normals[0]);
@@ -143,6 +152,7 @@ int main(void)
         TEST_TWINS(waves_of_height_0_are_the_identity_to_the_last_bit),
         TEST_TWINS(still_water_keeps_its_normals),
         TEST_TWINS(one_pixel_has_no_slope),
+        TEST_TWINS(no_normal_stays_none),
         TEST_TWINS(noise_normals_refuse_values_out_of_range),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

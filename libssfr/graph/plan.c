@@ -128,11 +128,46 @@ static ssfr_result check_inputs(const ssfr_graph *graph, const node *n)
     for (int k = 0; k < n->n_in; k++) {
         int divisor;
         source(graph, n->in[k], &divisor);
-        if (divisor && divisor != n->run.divisor && !n->pass->inputs[k].any_size)
+        const ssfr_port *in = &n->pass->inputs[k];
+        const bool scales = in->any_size && (n->pass->shrink || divisor > n->run.divisor);
+        if (divisor && divisor != n->run.divisor && !scales)
             return ssfr_fail(SSFR_ERR_VALUE, "%s: %s has 1/%d of the frame's resolution, the pass works at 1/%d",
-                             n->name, n->pass->inputs[k].name, divisor, n->run.divisor);
+                             n->name, in->name, divisor, n->run.divisor);
     }
     return SSFR_OK;
+}
+
+/* Screen passes draw tiles: at a lower resolution a tile has no whole pixel. */
+static ssfr_result check_resolution(const node *n)
+{
+    if (n->run.divisor > SSFR_TILE)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: 1/%d of the frame's resolution, the lowest is 1/%d", n->name,
+                         n->run.divisor, SSFR_TILE);
+    return SSFR_OK;
+}
+
+/* What is given in particle radii would be 0 m without one: a flow would smooth nothing and not say so. */
+static ssfr_result check_radius(const ssfr_graph *graph, const node *n)
+{
+    if (graph->frame.radius > 0 || !graph->frame.facts.fluid) return SSFR_OK;
+    for (const ssfr_param *row = n->pass->params; row && row->name; row++)
+        if (strcmp(row->unit, "radii") == 0 && ssfr_param_number(row, n->params) != 0)
+            return ssfr_fail(SSFR_ERR_VALUE, "%s.%s=%g is in particle radii, and the scene's particles tell no radius",
+                             n->name, row->name, ssfr_param_number(row, n->params));
+    return SSFR_OK;
+}
+
+static ssfr_result check_node(const ssfr_graph *graph, int i)
+{
+    ssfr_result result = SSFR_OK;
+    const node *n = &graph->nodes[i];
+    const ssfr_node_status status = graph->reports[i].status;
+    if (status != SSFR_RAN && status != SSFR_NEEDLESS) return SSFR_OK;
+    SSFR_TRY(check_inputs(graph, n));
+    SSFR_TRY(check_resolution(n));
+    if (status == SSFR_RAN) SSFR_TRY(check_radius(graph, n));
+end:
+    return result;
 }
 
 ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all)
@@ -145,10 +180,7 @@ ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all)
         int divisor;
         graph->resources[i].image = source(graph, i, &divisor);
     }
-    for (int i = 0; i < graph->n_nodes; i++) {
-        const ssfr_node_status status = graph->reports[i].status;
-        if (status == SSFR_RAN || status == SSFR_NEEDLESS) SSFR_TRY(check_inputs(graph, &graph->nodes[i]));
-    }
+    for (int i = 0; i < graph->n_nodes; i++) SSFR_TRY(check_node(graph, i));
 end:
     return result;
 }

@@ -24,17 +24,23 @@ static const ssfr_uniform uniforms[] = {
     {NULL, 0, 0},
 };
 
+/* Pixels of the guide a pixel of the depth, along each axis. */
+static int factor_of(const ssfr_run *run)
+{
+    return ssfr_max_int(run->divisor_in / run->divisor, 1);
+}
+
 static void derive(const ssfr_run *run, void *coeffs)
 {
     const upsample_params *p = run->params;
-    const int filter = run->divisor_in == 1 ? 0 : p->filter; /* at full resolution nothing is between pixels */
+    const int factor = factor_of(run), filter = factor == 1 ? 0 : p->filter; /* nothing is between pixels at 1 */
     *(ssfr_upsample_coeffs *)coeffs = (ssfr_upsample_coeffs){
-        .falloff = p->depth_falloff * run->frame->radius, .factor = run->divisor_in, .filter = filter};
+        .falloff = p->depth_falloff * run->frame->radius, .factor = factor, .filter = filter};
 }
 
 static bool needed(const ssfr_run *run)
 {
-    return run->divisor_in > 1 && run->frame->facts.fluid;
+    return factor_of(run) > 1 && run->frame->facts.fluid;
 }
 
 static void work(const ssfr_run *run, ssfr_node_report *report)
@@ -54,7 +60,7 @@ const ssfr_pass ssfr_upsample = {
     .coeffs_size = sizeof(ssfr_upsample_coeffs),
     .derive = derive,
     .needed = needed,
-    .needless = "full resolution already, or no fluid in view",
+    .needless = "the guide's resolution already, or no fluid in view",
     .cpu_run = ssfr_upsample_cpu,
     .programs = {{"tiles.vert", "upsample.frag", NULL}},
     .uniforms = uniforms,
