@@ -30,6 +30,7 @@ METRICS_OBJ := $(patsubst %,$(BUILD)/%.o,$(basename $(wildcard metrics/*.c metri
 APP_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out experiments/main.c,$(wildcard experiments/*.c experiments/*/*.c)))
 TEST_SRC := $(wildcard tests/test_*.c)
 TESTS := $(TEST_SRC:tests/%.c=$(BUILD)/tests/%)
+TEST_UTIL_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(TEST_SRC),$(wildcard tests/*.c)))
 
 STATIC := $(BUILD)/libssfr.a
 SHARED := $(BUILD)/libssfr.so.$(VERSION)
@@ -51,7 +52,8 @@ help:
 	@echo 'make all      build/ssfr and the library        make deps     install missing Debian packages'
 	@echo 'make demo     render and measure one frame       make check    build and run all tests'
 	@echo 'make install  to PREFIX=$(PREFIX)               make clean    remove build/'
-	@echo 'SAN=1 builds under ASan and UBSan in build/san; GL=required makes tests that lack GL fail; V=1 shows the commands.'
+	@echo 'SAN=1 builds under ASan and UBSan in build/san; GL=required makes tests that lack GL fail;'
+	@echo 'V=1 shows the commands.'
 
 deps:
 	@./docs/deps.sh $(PACKAGES)
@@ -91,7 +93,8 @@ $(STATIC) $(METRICS) $(APP):
 
 $(SHARED): $(LIB_OBJ)
 	@echo "LD   $@"
-	$(Q)$(CC) -shared $(OPT) -fopenmp -Wl,-soname,libssfr.so.$(SOVERSION) -Wl,--no-undefined -o $@ $^ $(LDFLAGS) $(LIB_LIBS)
+	$(Q)$(CC) -shared $(OPT) -fopenmp -Wl,-soname,libssfr.so.$(SOVERSION) -Wl,--no-undefined -o $@ $^ \
+	  $(LDFLAGS) $(LIB_LIBS)
 	$(Q)ln -sf $(@F) $(BUILD)/libssfr.so.$(SOVERSION)
 	$(Q)ln -sf $(@F) $(BUILD)/libssfr.so
 
@@ -110,8 +113,7 @@ $(SSFR): $(BUILD)/experiments/main.o $(APP) $(METRICS) $(STATIC)
 	@echo "LD   $@"
 	$(Q)$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
 
-$(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(TEST_SRC),$(wildcard tests/*.c))) \
-                       $(APP) $(METRICS) $(STATIC)
+$(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_UTIL_OBJ) $(APP) $(METRICS) $(STATIC)
 	@echo "LD   $@"
 	$(Q)$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(call PKG,--libs cmocka) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
 
@@ -149,4 +151,5 @@ uninstall:
 clean:
 	rm -rf build
 
--include $(LIB_OBJ:.o=.d) $(METRICS_OBJ:.o=.d) $(APP_OBJ:.o=.d) $(TESTS:=.d) $(BUILD)/experiments/main.d
+-include $(patsubst %.o,%.d,$(LIB_OBJ) $(METRICS_OBJ) $(APP_OBJ) $(TEST_UTIL_OBJ)) $(TESTS:=.d) \
+         $(BUILD)/experiments/main.d

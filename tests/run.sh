@@ -35,7 +35,8 @@ for test in "$@" "$here"/test_*.sh; do
     s=$(grep -E '^(\[  SKIPPED \] [a-z]|skip - )' "$log" | sort -u | wc -l)
     if [ $status -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
     if [ $status -eq 0 ] && [ $((p + f + s)) -eq 0 ]; then f=1; fi
-    printf '%-22s %4d passed %3d failed %3d skipped  %3d s\n' "$(basename "$test")" "$p" "$f" "$s" $(($(date +%s) - start))
+    printf '%-22s %4d passed %3d failed %3d skipped  %3d s\n' \
+        "$(basename "$test")" "$p" "$f" "$s" $(($(date +%s) - start))
     if [ "$f" -ne 0 ]; then
         grep -vE '^(\[ RUN      \]|\[       OK \]|ok - )' "$log" | tail -n 60
         [ $status -eq 124 ] && echo "timed out"
