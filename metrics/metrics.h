@@ -36,8 +36,9 @@ typedef struct ssfr_metric {
 
 const ssfr_metric *ssfr_metric_find(const char *name); /* NULL when there is none */
 const ssfr_metric *ssfr_metric_at(int i);              /* NULL past the end */
-const char *ssfr_metric_kind_name(ssfr_metric_kind kind);
+const char *ssfr_metric_kind_name(ssfr_metric_kind kind); /* "any", "depth" and so on */
 
+/* Writes *out only when it gives SSFR_OK; SSFR_ERR_VALUE for sizes or channels that do not fit. mask may be NULL. */
 SSFR_MUST ssfr_result ssfr_metric_measure(const ssfr_metric *metric, const ssfr_field *a, const ssfr_field *b,
                                           const ssfr_field *mask, double *out);
 
