@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* cmd_bench.c: `ssfr bench`: where the time of a frame goes, pass by pass. */
+#include "experiments/columns.h"
 #include "experiments/command.h"
 #include "experiments/console.h"
 #include "experiments/csv.h"
@@ -114,11 +115,29 @@ end:
 
 /* ---- for programs ------------------------------------------------------------------------------------------------ */
 
-static const char *const columns[] = {"scene",     "pipeline",   "backend",  "width",     "height",
-                                      "node",      "pass",       "status",   "why",       "ms_min",
-                                      "ms_median", "ms_mad",     "runs",     "outliers",  "share",
-                                      "taps",      "iterations", "vertices", "bytes [B]", "roofline"};
-enum { N_KEYS = 6 };
+static const ssfr_column columns[] = {
+    {"scene", "1", 0, "a built-in scene or a file"},
+    {"pipeline", "1", 0, "what rendered it"},
+    {"backend", "1", 0, "gl, or cpu for the double-precision twins"},
+    {"width", "1", 0, "width of the image, px"},
+    {"height", "1", 0, "height of the image, px"},
+    {"node", "1", 0, "node of the pipeline; (frame) is all of them untimed, (frame while timed) with each of them timed"},
+    {"pass", "1", 0, "what the node runs"},
+    {"status", "1", 0, "ran, or how it was left out"},
+    {"why", "1", 0, "why it was left out, empty when it ran"},
+    {"ms_min", "ms", -1, "shortest time"},
+    {"ms_median", "ms", -1, "median time"},
+    {"ms_mad", "ms", -1, "median absolute deviation of the time"},
+    {"runs", "1", 0, "timed runs"},
+    {"outliers", "1", 0, "timed runs whose modified z-score exceeds 3.5"},
+    {"share", "1", 0, "median time over the sum of those of the nodes"},
+    {"taps", "1", -1, "samples a written pixel, summed over the passes in a frame"},
+    {"iterations", "1", -1, "sweeps over the image"},
+    {"vertices", "1", -1, "vertices drawn"},
+    {"bytes", "B", -1, "fewest bytes that must be moved"},
+    {"roofline", "1", -1, "time over that of moving these bytes at the copy bandwidth"},
+};
+enum { N_KEYS = 6, N_COLUMNS = SSFR_COUNT(columns) };
 
 static ssfr_result write_row(ssfr_csv *csv, const bench *b, const ssfr_node_report *r, const ssfr_timing *time)
 {
@@ -153,8 +172,14 @@ static ssfr_result write_frame(ssfr_csv *csv, const bench *b, const char *name, 
 static ssfr_result open_csv(bench *b, const char *path)
 {
     ssfr_result result = SSFR_OK;
+    char headers[N_COLUMNS][64];
+    const char *names[N_COLUMNS];
+    for (int i = 0; i < N_COLUMNS; i++) {
+        ssfr_column_header(columns[i].name, columns[i].unit, headers[i], sizeof headers[i]);
+        names[i] = headers[i];
+    }
     SSFR_TRY(ssfr_aside_begin(&b->aside, path));
-    SSFR_TRY(ssfr_csv_create(&b->csv, b->aside.temporary, SSFR_COUNT(columns), columns, N_KEYS, false));
+    SSFR_TRY(ssfr_csv_create(&b->csv, b->aside.temporary, N_COLUMNS, names, N_KEYS, false));
 end:
     return result;
 }
@@ -183,6 +208,8 @@ static ssfr_result save(bench *b, const char *path, const ssfr_command_line *lin
                                                .gl = b->setup.gl,
                                                .pipeline = ssfr_pipeline_name(b->setup.pipeline),
                                                .graph = b->setup.graph,
+                                               .n_columns = N_COLUMNS,
+                                               .columns = columns,
                                                .n_scenes = 1,
                                                .scenes = &scene,
                                                .bandwidth_gl = b->setup.gl ? b->bandwidth : NAN,

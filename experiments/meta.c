@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* meta.c: writing down everything that a table's numbers depend on. */
 #include "experiments/meta.h"
-#include "experiments/columns.h"
 #include "experiments/json.h"
 #include "experiments/versions.h"
 
@@ -164,13 +163,14 @@ static ssfr_result put_parameters(ssfr_json *json, const ssfr_meta *meta)
 }
 
 /* A table's reader has the meaning of its columns at hand. */
-static void put_columns(ssfr_json *json)
+static void put_columns(ssfr_json *json, const ssfr_meta *meta)
 {
     ssfr_json_object(json, "columns");
-    for (int i = 0; i < SSFR_N_COLUMNS; i++) {
+    for (int i = 0; i < meta->n_columns; i++) {
+        const ssfr_column *column = &meta->columns[i];
         char header[128];
-        ssfr_column_header(ssfr_columns[i].name, ssfr_columns[i].unit, header, sizeof header);
-        ssfr_json_text(json, header, ssfr_columns[i].help);
+        ssfr_column_header(column->name, column->unit, header, sizeof header);
+        ssfr_json_text(json, header, column->help);
     }
     ssfr_json_close(json);
 }
@@ -216,10 +216,8 @@ static ssfr_result write_file(FILE *file, const char *path, const ssfr_meta *met
     put_libraries(&json);
     put_scenes(&json, meta);
     SSFR_TRY(put_parameters(&json, meta));
-    if (meta->spec) {
-        put_spec(&json, meta->spec);
-        put_columns(&json);
-    }
+    if (meta->spec) put_spec(&json, meta->spec);
+    put_columns(&json, meta);
     ssfr_json_close(&json);
 end:
     if (ferror(file) && result == SSFR_OK) result = ssfr_fail(SSFR_ERR_IO, "%s: write error", path);

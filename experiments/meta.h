@@ -3,6 +3,7 @@
 #ifndef SSFR_META_H
 #define SSFR_META_H
 
+#include "experiments/columns.h"
 #include "experiments/record.h"
 #include "experiments/sweep_spec.h"
 
@@ -28,6 +29,8 @@ typedef struct ssfr_meta {
     const char *pipeline;
     const ssfr_graph *graph;     /* for its parameters; those that an axis varies are left out */
     const ssfr_sweep_spec *spec; /* NULL for a table without axes */
+    int n_columns;
+    const ssfr_column *columns;  /* those whose name does not say all */
     int n_scenes;
     const ssfr_record *scenes;   /* as ssfr_meta_record_scene fills them */
     double bandwidth_gl, bandwidth_cpu; /* bytes/s; NaN when not measured */

@@ -246,6 +246,8 @@ static ssfr_result begin_table(sweep *s)
                             .pipeline = ssfr_pipeline_name(s->pipeline),
                             .graph = ssfr_rig_graph(s->rig),
                             .spec = s->spec,
+                            .n_columns = SSFR_N_COLUMNS,
+                            .columns = ssfr_columns,
                             .n_scenes = (int)scenes->n,
                             .scenes = records,
                             .bandwidth_gl = s->rig_options.bandwidth_gl,

@@ -77,8 +77,8 @@ static void begin(fixture *f)
     assert_int_equal(ssfr_sweep_spec_vary_text(f->spec, "", "curvature_flow.iterations=17,34"), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_reference_text(f->spec, "", "curvature_flow.step=0.2385"), SSFR_OK);
     f->meta = (ssfr_meta){.argc = 2, .argv = argv, .seed = 2385, .identity = 0x2385, .pipeline = "vanderlaan2009",
-                          .graph = f->graph, .spec = f->spec, .n_scenes = 1, .scenes = &f->scene, .bandwidth_gl = NAN,
-                          .bandwidth_cpu = 2.385e9};
+                          .graph = f->graph, .spec = f->spec, .n_columns = SSFR_N_COLUMNS, .columns = ssfr_columns,
+                          .n_scenes = 1, .scenes = &f->scene, .bandwidth_gl = NAN, .bandwidth_cpu = 2.385e9};
 }
 
 static void end(fixture *f)

@@ -187,6 +187,9 @@ that 'and says what was left out and why' grep -Eq '^noise_normals	needless: .*	
 that 'its table has a row a node and two for the frame' \
     [ "$(cut -d, -f6 b.csv | grep -cx 'composite\|(frame)\|(frame while timed)')" -eq 3 ]
 that 'with metadata' grep -q '"curvature_flow.iterations": 40' b.meta.json
+that 'which say what each column means' grep -q '"bytes \[B\]": "fewest bytes' b.meta.json
+that 'of which there are as many' [ "$(head -n 1 b.csv | tr , '\n' | wc -l)" -eq \
+    "$(sed -n '/"columns"/,/}/p' b.meta.json | grep -c '": "')" ]
 refuses 'bench knows its pipelines' 'solver: no such pipeline; there are vanderlaan2009' bench solver
 refuses 'bench finds out at once where it cannot write' 'absent/b.csv' bench -o absent/b.csv
 rm ./b.*
