@@ -140,8 +140,9 @@ typedef struct ssfr_particles {
     uint64_t serial;  /* differs between any two packed sets of a process: a key for caches */
 } ssfr_particles;
 
-/* Packs n particles at positions[3 n] (m, world). The arrays of `given` that are not NULL are copied (n, radius too; its
- * packets and position are ignored). Fails with SSFR_ERR_VALUE when a position is not finite. */
+/* Packs n particles at positions[3 n] (m, world). The arrays of `given` that are not NULL are copied, and its
+ * radius; its n, packets and position are ignored. given may be NULL. Fails with SSFR_ERR_VALUE when a position
+ * is not finite. */
 SSFR_API SSFR_MUST ssfr_result ssfr_particles_create(ssfr_particles **out, size_t n, const double *positions,
                                                      const ssfr_particles *given);
 SSFR_API void ssfr_particles_destroy(ssfr_particles **particles);
@@ -186,7 +187,7 @@ typedef struct ssfr_solid { /* an oriented box */
 enum { SSFR_MAX_SOLIDS = 16 };
 
 typedef struct ssfr_scene {
-    const ssfr_particles *particles;
+    const ssfr_particles *particles; /* NULL for none; without particles (n = 0) they still tell the radius */
     ssfr_camera camera;
     const ssfr_solid *solids;
     int n_solids;     /* [0, SSFR_MAX_SOLIDS] */
@@ -221,7 +222,7 @@ SSFR_API SSFR_MUST ssfr_result ssfr_exr_number(const char *path, const char *nam
 SSFR_API SSFR_MUST ssfr_result ssfr_png_save(const char *path, const ssfr_field *field);
 SSFR_API SSFR_MUST ssfr_result ssfr_png_load(const char *path, ssfr_field **out);
 
-/* ---- GL ----------------------------------------------------------------------------------------------------------- */
+/* ---- GL -------------------------------------------------------------------------------------------------------- */
 
 typedef struct ssfr_gl ssfr_gl;
 
@@ -237,7 +238,7 @@ SSFR_API const char *ssfr_gl_vendor(const ssfr_gl *gl);
 SSFR_API const char *ssfr_gl_version(const ssfr_gl *gl);
 SSFR_API bool ssfr_gl_is_software(const ssfr_gl *gl);
 
-/* ---- passes, pipelines, graph -------------------------------------------------------------------------------------- */
+/* ---- passes, pipelines, graph ---------------------------------------------------------------------------------- */
 
 typedef struct ssfr_pass ssfr_pass;
 typedef struct ssfr_pipeline ssfr_pipeline;
@@ -264,21 +265,23 @@ SSFR_API void ssfr_graph_destroy(ssfr_graph **graph);
 
 /* key is "node.param", "pass.param" (all nodes of the pass), "group.param" or "node.off" (flag). */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_set(ssfr_graph *graph, const char *key, const char *value);
-/* The value as text, written to text[size]. */
+/* The value as text, written to text[size], cut where that is too small. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_get(const ssfr_graph *graph, const char *key, char *text, size_t size);
 /* The row behind a key, NULL when there is none (then nothing is logged). */
 SSFR_API const ssfr_param *ssfr_graph_row(const ssfr_graph *graph, const char *key);
 /* The i-th full key "node.param" or "group.param" of this graph, NULL past the end; keys of off switches come last. */
 SSFR_API const char *ssfr_graph_key_at(const ssfr_graph *graph, int i);
 
-/* Wants a slot's last version beside those already wanted; NULL: wants nothing any more. A new graph wants the pipeline's
- * result. */
+/* Wants a slot's last version beside those already wanted; NULL: wants nothing any more. A new graph wants the
+ * pipeline's result. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_want(ssfr_graph *graph, const char *slot);
 /* Wants every slot (true), or only what was asked for (false). */
 SSFR_API void ssfr_graph_want_all(ssfr_graph *graph, bool all);
 
-/* Gives a slot from outside instead of by its node: a field (copied), or the host's texture (GL; row 0 on top). NULL and
- * texture 0 take it back. */
+/* Gives a slot from outside instead of by its node: a field (copied), or the host's texture (GL; row 0 on top). NULL
+ * and texture 0 take it back. The run fails when the size does not fit its frame: that of the camera, or that over a
+ * power of two up to 32, rounded up; or one pixel for all, but of a depth of the fluid. A depth of the fluid needs no
+ * particles, but a radius where parameters are in particle radii: that of scene.particles, whose n may be 0. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_field *field);
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsigned texture);
 /* Writes the pipeline's result into the host's RGBA32F texture of the camera's size; 0: no longer. */
@@ -294,7 +297,8 @@ typedef struct ssfr_run_options {
 } ssfr_run_options;
 
 /* Runs a frame and waits for it. options may be NULL. */
-SSFR_API SSFR_MUST ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene, const ssfr_run_options *options);
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene,
+                                              const ssfr_run_options *options);
 
 /* A slot of the last frame as a new field. A slot that was left out gives a 1x1 field of its neutral value. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_field **out);

@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// composite.frag: the fluid's surface over the scene (Bagar 2010, eqs 2.18 and 2.19). in: scene colour and depth, surface
-// depth (m) and unit normal (eye space), thickness (m); out: linear colour.
+// composite.frag: the fluid's surface over the scene (Bagar 2010, eqs 2.18 and 2.19). in: scene colour and depth,
+// surface depth (m) and unit normal (eye space), thickness (m); out: linear colour.
 #include "common.glsl"
 #include "environment.glsl"
 

@@ -18,7 +18,7 @@ vec3 floor_color(vec3 p, float footprint)
     return vec3((mean + (odd < 0.5 ? side : -side) * contrast) * lambert(vec3(0, 1, 0)));
 }
 
-// Where a ray enters box i, or -1. The axis of the face it enters by goes to *axis, signed.
+// Where a ray enters box i, in lengths of dir, or -1; normal is that of the face it enters by.
 float enter_solid(int i, vec3 origin, vec3 dir, out vec3 normal)
 {
     float enter = -EMPTY, leave = EMPTY;
@@ -43,7 +43,7 @@ float enter_solid(int i, vec3 origin, vec3 dir, out vec3 normal)
 
 const float HAZES = 16.0;
 
-// Radiance along origin + t dir (relative to the eye, world axes; dir of any length); t of the hit, or EMPTY for the sky.
+// Radiance along origin + t dir (relative to the eye, world axes; dir of any length); t of the hit, EMPTY for the sky.
 vec3 trace(vec3 origin, vec3 dir, out float t)
 {
     vec3 color = sky(normalize(dir)), normal;

@@ -1,6 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// normals.frag: unit normal in eye space, towards the eye, from eye-space depth (m) by finite differences (Bagar 2010, eq. 2.10).
+// normals.frag: unit normal in eye space, towards the eye, from eye-space depth (m) by finite differences (Bagar 2010,
+// eq. 2.10).
 #include "common.glsl"
 
 uniform sampler2D t_depth;

@@ -4,7 +4,6 @@
 
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 1) readonly buffer Offsets { vec4 offsets[]; }; // a packet each
-layout(std430, binding = 3) readonly buffer Ids { uint ids[]; };
 
 uniform ivec2 u_layout; // floats from one position to the next, and before the first
 

@@ -65,5 +65,6 @@ void main()
 #else
     vec2 p = mix(clamp(lo, vec2(0), image), clamp(hi, vec2(0), image), corner);
 #endif
-    gl_Position = keep ? vec4(2.0 * p.x / image.x - 1.0, 1.0 - 2.0 * p.y / image.y, 0.0, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
+    gl_Position = vec4(2.0 * p.x / image.x - 1.0, 1.0 - 2.0 * p.y / image.y, 0.0, 1.0);
+    if (!keep) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // outside of all that is drawn
 }

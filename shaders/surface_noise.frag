@@ -1,6 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// surface_noise.frag: the particle's own gradient noise, Gaussian over its sprite, fading below the surface; summed by blending.
+// surface_noise.frag: the particle's own gradient noise, Gaussian over its sprite, fading below the surface; summed by
+// blending. in: depth, m; out: noise.
 #include "common.glsl"
 #include "splat.glsl"
 
@@ -25,7 +26,8 @@ uint hash(uint x, uint y, uint seed)
 float lean(ivec2 p, uint seed, vec2 d)
 {
     const float h = 0.70710678118654752440;
-    const vec2 gradients[8] = vec2[](vec2(1, 0), vec2(-1, 0), vec2(0, 1), vec2(0, -1), vec2(h, h), vec2(-h, h), vec2(h, -h), vec2(-h, -h));
+    const vec2 gradients[8] = vec2[](vec2(1, 0), vec2(-1, 0), vec2(0, 1), vec2(0, -1), vec2(h, h), vec2(-h, h),
+                                     vec2(h, -h), vec2(-h, -h));
     return dot(gradients[hash(uint(p.x), uint(p.y), seed) & 7u], d);
 }
 

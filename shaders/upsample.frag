@@ -4,7 +4,7 @@
 #include "common.glsl"
 
 uniform sampler2D t_depth; // low resolution
-uniform sampler2D t_guide; // full resolution, unsmoothed
+uniform sampler2D t_guide; // of the output's resolution, unsmoothed
 uniform float u_falloff;   // m
 uniform int u_factor;
 uniform int u_filter;      // 0 nearest, 1 linear, 2 cubic B-spline
@@ -15,7 +15,8 @@ vec4 weigh(float t)
 {
     if (u_filter == 1) return vec4(1.0 - t, t, 0.0, 0.0);
     float s = 1.0 - t;
-    return vec4(s * s * s, 3.0 * t * t * t - 6.0 * t * t + 4.0, -3.0 * t * t * t + 3.0 * t * t + 3.0 * t + 1.0, t * t * t) / 6.0;
+    float w1 = 3.0 * t * t * t - 6.0 * t * t + 4.0, w2 = -3.0 * t * t * t + 3.0 * t * t + 3.0 * t + 1.0;
+    return vec4(s * s * s, w1, w2, t * t * t) / 6.0;
 }
 
 float interpolate(float guide, vec2 p)

@@ -44,14 +44,15 @@ typedef struct ssfr_plain {
 ssfr_plain ssfr_plain_begin(void);
 void ssfr_plain_end(ssfr_plain *plain);
 
-/* True when text is a finite number and nothing else; the value goes to *out. */
+/* True when text is a finite number with nothing after it; the value goes to *out, which else stays. */
 bool ssfr_parse_number(const char *text, double *out);
 
 /* The whole file with a closing zero byte; *size is without it. Refuses files over max_size bytes. */
 SSFR_MUST ssfr_result ssfr_read_file(const char *path, size_t max_size, char **out, size_t *size);
 
 /* A file written aside and renamed when complete, so that nothing half-written is ever seen under its name.
- * The name aside differs between processes. ssfr_aside_close renames when `keep`, else removes. */
+ * The name aside differs between processes. ssfr_aside_end renames when so_far is SSFR_OK, else removes, and
+ * frees all; also after a begin that failed. */
 typedef struct ssfr_aside {
     char *path, *temporary;
 } ssfr_aside;

@@ -8,8 +8,9 @@ ssfr_result ssfr_field_create(ssfr_field **out, int w, int h, int c)
     ssfr_field *field = NULL;
     *out = NULL;
     if (w < 1 || h < 1 || w > SSFR_MAX_SIZE || h > SSFR_MAX_SIZE || c < 1 || c > 16)
-        return ssfr_fail(SSFR_ERR_VALUE, "image of %d x %d pixels and %d channels: sides go from 1 to %d, channels from 1 to 16",
-                         w, h, c, SSFR_MAX_SIZE);
+        return ssfr_fail(SSFR_ERR_VALUE,
+                         "image of %d x %d pixels and %d channels: sides go from 1 to %d, channels from 1 to 16", w, h,
+                         c, SSFR_MAX_SIZE);
     SSFR_TRY(ssfr_alloc(&field, 1, sizeof *field, "a field"));
     *field = (ssfr_field){.w = w, .h = h, .c = c};
     SSFR_TRY(ssfr_alloc(&field->data, (size_t)w * (size_t)h * (size_t)c, sizeof *field->data, "an image"));

@@ -117,7 +117,8 @@ ssfr_result ssfr_read_file(const char *path, size_t max_size, char **out, size_t
         goto end;
     }
     if ((uintmax_t)info.st_size > max_size) {
-        result = ssfr_fail(SSFR_ERR_VALUE, "%s: %jd bytes, at most %zu are read", path, (intmax_t)info.st_size, max_size);
+        result = ssfr_fail(SSFR_ERR_VALUE, "%s: %jd bytes, at most %zu are read", path, (intmax_t)info.st_size,
+                           max_size);
         goto end;
     }
     *size = (size_t)info.st_size;

@@ -7,7 +7,7 @@
 #include "gl/gl.h"
 #include "graph/pass.h"
 
-/* Storage buffer bindings; shaders/particles.glsl and tiles.vert repeat them. */
+/* Storage buffer bindings; shaders/particles.glsl, surface_noise.frag and tiles.vert repeat them. */
 enum { SSFR_BIND_POSITION, SSFR_BIND_OFFSET, SSFR_BIND_TILES, SSFR_BIND_ID };
 
 typedef struct ssfr_draw {

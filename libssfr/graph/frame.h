@@ -7,7 +7,7 @@
 
 enum { SSFR_TILE = 32 }; /* px at full resolution; divisors of the resolution divide it */
 
-/* The scene-wide parameter groups. One line is one group: member, type, rows (in world.c). */
+/* The scene-wide parameter groups. One line is one group: member, type, rows (in frame.c). */
 #define SSFR_GROUPS(X)               \
     X(medium, ssfr_medium)           \
     X(light, ssfr_light)             \
@@ -43,7 +43,7 @@ typedef struct ssfr_world {
 #undef X
 } ssfr_world;
 
-/* What shaders read as the uniform block Frame (shaders/frame.glsl, vec4 by vec4) and the twins as it stands.
+/* What shaders read as the uniform block Frame (shaders/common.glsl, vec4 by vec4) and the twins as it stands.
  * World directions have world axes; positions are relative to the eye, so that no large number reaches a float. */
 typedef struct ssfr_block {
     double image[4];       /* w px, h px, c_x, c_y: eye-space width and height of a pixel at unit depth */

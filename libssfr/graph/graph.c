@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* graph.c: what a graph is: nodes and resources from a pipeline, its parameters, what is given and what is wanted. */
+/* graph.c: what a graph is: nodes and resources from a pipeline, and its parameters. */
 #include "graph/internal.h"
 
 #include <assert.h>

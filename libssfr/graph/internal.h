@@ -96,6 +96,7 @@ void ssfr_image_finish(image *im);
 /* The index of a port, -1 when there is none of that name or the name is NULL. */
 int ssfr_port_find(const ssfr_port *ports, const char *name);
 
+/* How far the splats of any node that is not off reach, in particle radii; 0 without one. */
 double ssfr_graph_reach(const ssfr_graph *graph);
 
 #endif

@@ -37,7 +37,7 @@ bool ssfr_slot_is_fluid(ssfr_slot_id slot);    /* a depth that says where fluid 
 typedef struct ssfr_port {
     const char *name; /* NULL ends a list; the sampler is t_<name> */
     ssfr_slot_id slot;
-    bool any_size;    /* inputs: may be of another resolution than the outputs */
+    bool any_size;    /* inputs: may be of a lower resolution than the outputs, of a higher one if shrink is there */
     /* outputs: */
     const char *like; /* the input whose size it has; NULL for the frame's */
     const char *from; /* the input that takes its place when the node is left out; NULL for the neutral value */

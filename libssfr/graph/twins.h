@@ -15,11 +15,12 @@ typedef struct ssfr_twins_row { /* one output */
     ssfr_field *reference, *measured; /* the CPU twin's and the GPU twin's output, owned by the row */
 } ssfr_twins_row;
 
-/* Runs the pass on the CPU and the GPU, both on the inputs that the first pipeline with this pass makes of the scene on the
- * CPU, rounded as the GPU holds them. settings: "param=value" of the pass, NULL-terminated, or NULL. Fills n_rows rows, one
- * an output; free them with ssfr_twins_finish, also after an error. */
+/* Runs the pass on the CPU and the GPU, both on the inputs that the first pipeline with this pass makes of the scene on
+ * the CPU, rounded as the GPU holds them. settings: "param=value" of the pass, NULL-terminated, or NULL. Fills n_rows
+ * rows, one an output; free them with ssfr_twins_finish, also after an error. */
 SSFR_MUST ssfr_result ssfr_twins_compare(const ssfr_pass *pass, const ssfr_scene *scene, ssfr_gl *gl,
-                                         const char *const *settings, ssfr_twins_row rows[SSFR_MAX_OUTPUTS], int *n_rows);
+                                         const char *const *settings, ssfr_twins_row rows[SSFR_MAX_OUTPUTS],
+                                         int *n_rows);
 void ssfr_twins_finish(ssfr_twins_row rows[SSFR_MAX_OUTPUTS], int n_rows);
 
 #endif

@@ -19,14 +19,17 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_CHOICE(composite_params, fresnel, fresnels, SSFR_FRESNEL_SCHLICK,
                       "Schlick's approximation, or Fresnel's equations for a dielectric"),
     SSFR_PARAM_CHOICE(composite_params, refraction, refractions, SSFR_REFRACTION_OFFSET,
-                      "shift the background by gamma T n (eq. 2.18), or follow the refracted ray through the thickness"),
+                      "shift the background by gamma T n (eq. 2.18), or follow the refracted ray through the "
+                      "thickness"),
     SSFR_PARAM_REAL(composite_params, gamma, "1/m", 0.1, 0, 1e3, "shift in image heights a metre of thickness"),
     SSFR_PARAM_FLAG(composite_params, reject, 1, "do not refract what stands before the water"),
     SSFR_PARAM_CHOICE(composite_params, reflection, reflections, SSFR_REFLECTION_SKY,
                       "reflect the sky alone, as an environment map does, or floor and boxes too"),
-    {"attenuation", SSFR_CHOICE, "1", "Beer-Lambert by colour with medium.absorption, or e^(-k T) with one k (eq. 2.18)",
+    {"attenuation", SSFR_CHOICE, "1",
+     "Beer-Lambert by colour with medium.absorption, or e^(-k T) with one k (eq. 2.18)",
      offsetof(composite_params, attenuation_form), SSFR_ATTENUATION_BEER, 0, 0, attenuations},
-    {"k", SSFR_REAL, "1/m", "the single attenuation coefficient", offsetof(composite_params, attenuation), 1, 0, 1e6, NULL},
+    {"k", SSFR_REAL, "1/m", "the single attenuation coefficient", offsetof(composite_params, attenuation), 1, 0, 1e6,
+     NULL},
     SSFR_PARAM_REAL(composite_params, specular, "1", 0.6, 0, 100, "k_s of the highlight"),
     SSFR_PARAM_REAL(composite_params, shininess, "1", 250, 1, 1e5, "alpha of the highlight"),
     SSFR_PARAM_END,
@@ -59,7 +62,7 @@ static void derive(const ssfr_run *run, void *coeffs)
 static void work(const ssfr_run *run, ssfr_node_report *report)
 {
     (void)run;
-    report->taps = 9;
+    report->taps = 9; /* the scene's colour 4, and 1 to begin as it; its depth; depth, normal and thickness */
 }
 
 const ssfr_pass ssfr_composite = {
@@ -67,7 +70,8 @@ const ssfr_pass ssfr_composite = {
     .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (eqs 2.18, 2.19)",
     .help = "shades the surface over the scene: refraction, attenuation, reflection, highlight",
     .inputs = {{"scene_color", SSFR_SLOT_scene_color}, {"scene_depth", SSFR_SLOT_scene_depth},
-               {"depth", SSFR_SLOT_surface_depth}, {"normal", SSFR_SLOT_shading_normal}, {"thickness", SSFR_SLOT_thickness}},
+               {"depth", SSFR_SLOT_surface_depth}, {"normal", SSFR_SLOT_shading_normal},
+               {"thickness", SSFR_SLOT_thickness}},
     .outputs = {{"color", SSFR_SLOT_color, .from = "scene_color", .over = "scene_color"}},
     .params = rows,
     .params_size = sizeof(composite_params),

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* curvature_flow.c: explicit Euler steps of z_t = -H, H the mean curvature of the depth image (Bagar 2010, eqs 2.8 to 2.16).
+/* curvature_flow.c: explicit Euler steps of z_t = -H, H the depth image's mean curvature (Bagar 2010, eqs 2.8 to 2.16).
  *
- * With p = z_x / C_x, q = z_y / C_y the slopes per unit of tangent, r, s, t the second slopes z_xx / C_x^2, z_yy / C_y^2,
- * z_xy / (C_x C_y) and S = p^2 + q^2 + z^2, the printed H = (C_y E_x + C_x E_y) / (2 D^(3/2)) is
+ * With p = z_x / C_x, q = z_y / C_y the slopes per unit of tangent, r, s, t the second slopes z_xx / C_x^2,
+ * z_yy / C_y^2, z_xy / (C_x C_y) and S = p^2 + q^2 + z^2, H = (C_y E_x + C_x E_y) / (2 D^(3/2)) (eq. 2.14, B1) is
  *
  *     H = (C_x (p (p r + q t + z p) - r S) + C_y (q (p t + q s + z q) - s S)) / (2 S^(3/2)),
  *
- * which has no factor as small as C^6 in it. On flat water that faces the eye, -H = (z_xx / C_x + z_yy / C_y) / (2 |z|). */
+ * which has no factor as small as C^6 in it. On flat water that faces the eye,
+ * -H = (z_xx / C_x + z_yy / C_y) / (2 |z|). */
 #include "passes/curvature_flow.h"
 
 #include "graph/draw.h"
@@ -29,9 +30,11 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_FLAG(curvature_flow_params, limit, 1, "shorten the step where a pixel is nearer than its bound allows"),
     SSFR_PARAM_REAL(curvature_flow_params, depth_falloff, "radii", 5, 0, 1e6,
                     "a depth step beyond this is a silhouette: no smoothing across it; in particle radii"),
-    SSFR_PARAM_FLAG(curvature_flow_params, cross_term, 1, "z_xy by central differences; off: 0, as listing A.13 has it"),
+    SSFR_PARAM_FLAG(curvature_flow_params, cross_term, 1,
+                    "z_xy by central differences; off: 0, as listing A.13 has it"),
     SSFR_PARAM_FLAG(curvature_flow_params, off_axis, 0,
-                    "the curvature of the surface itself, exact off the view axis; off: eq. 2.10, where tilted planes drift"),
+                    "the curvature of the surface itself, exact off the view axis; off: eq. 2.10, where tilted planes "
+                    "drift"),
     SSFR_PARAM_END,
 };
 
@@ -111,7 +114,8 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
 
 const ssfr_pass ssfr_curvature_flow = {
     .name = "curvature_flow",
-    .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (eqs 2.8 to 2.16, errata B1 to B4, B21) and listing A.13",
+    .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (eqs 2.8 to 2.16, errata B1 to B4, B21) and "
+              "listing A.13",
     .help = "smooths the depth by mean curvature: explicit Euler steps, a fixed number of them",
     .inputs = {{"depth", SSFR_SLOT_low_depth}},
     .outputs = {{"smooth", SSFR_SLOT_smooth_depth, .like = "depth", .from = "depth"}},

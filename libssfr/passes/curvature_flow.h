@@ -9,7 +9,7 @@ typedef struct ssfr_curvature_flow_coeffs {
     double dt;         /* m^2 */
     double c[2];       /* eye-space size of a pixel of the filtered image at unit depth */
     double falloff;    /* m */
-    double limit;      /* dt is at most this times |z| (over the off-axis factor) at every pixel; inf for no limit */
+    double limit;      /* dt is at most this times |z| (over the off-axis factor) at every pixel; SSFR_EMPTY for none */
     double divisor;    /* full-resolution pixels a pixel */
     int iterations, cross_term, off_axis;
 } ssfr_curvature_flow_coeffs;

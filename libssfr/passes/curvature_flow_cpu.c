@@ -42,9 +42,10 @@ static double printed_rate(const slopes *k, const double c[2])
     return -(c[0] * x + c[1] * y) / (2 * S * sqrt(S));
 }
 
-/* The mean curvature (E N - 2 F M + G L) / (2 (E G - F^2)) of the surface P = (-z u, -z v, z), times C |z|, which makes it equal
- * to the printed rate on the axis. With w = z + u p + v q and l = |(p, q, w)|: L = -(r z - 2 p^2) / l, M = -(t z - 2 p q) / l,
- * N = -(s z - 2 q^2) / l, E G - F^2 = z^2 l^2. */
+/* The mean curvature (E N - 2 F M + G L) / (2 (E G - F^2)) of the surface P = (-z u, -z v, z), times sqrt(C_x C_y) |z|,
+ * which makes it equal to the printed rate on the axis where pixels are square. With w = z + u p + v q and
+ * l = |(p, q, w)|: L = -(r z - 2 p^2) / l, M = -(t z - 2 p q) / l, N = -(s z - 2 q^2) / l, E G - F^2 = z^2 l^2; below,
+ * L, M and N are without their -1 / l. */
 static double exact_rate(const slopes *k, const double c[2], double u, double v)
 {
     const double z = k->z, p = k->p, q = k->q, w = z + u * p + v * q, l2 = p * p + q * q + w * w;

@@ -12,8 +12,8 @@ static const char *const rules[] = {"nearest", "nearest_to_eye", "mean", NULL};
 static const ssfr_param rows[] = {
     SSFR_PARAM_CHOICE(downsample_params, factor, factors, 1, "full, half, quarter or eighth resolution"),
     SSFR_PARAM_CHOICE(downsample_params, rule, rules, SSFR_DOWNSAMPLE_MEAN,
-                      "the pixel right and below of the block's middle, the block's pixel nearest to the eye, or the mean "
-                      "of the block's surface pixels"),
+                      "the pixel right and below of the block's middle, the block's pixel nearest to the eye, or the "
+                      "mean of the block's surface pixels"),
     SSFR_PARAM_END,
 };
 

@@ -55,7 +55,7 @@ double ssfr_environment_trace(const ssfr_block *b, const double origin[3], const
     const double floor_t = (b->right[3] - origin[1]) / dir[1];
     ssfr_normalize(unit);
     ssfr_environment_sky(b, unit, color);
-    /* Nothing is left of the floor beyond HAZES times the haze: it ends there, before a float's depth loses all digits. */
+    /* Nothing is left of the floor beyond HAZES times the haze: it ends there, before a float has no digits left. */
     if (b->right[3] > -SSFR_SURFACE && dir[1] != 0 && floor_t > 0 && floor_t * length < HAZES * b->floor[3]) {
         t = floor_t;
         const double footprint = t * b->image[3] * ssfr_dot(dir, dir) / fmax(fabs(dir[1]), 1e-6);

@@ -12,7 +12,8 @@ static const char *const edges[] = {"smaller", "central", NULL};
 static const ssfr_param rows[] = {
     SSFR_PARAM_CHOICE(normals_params, edge, edges, SSFR_NORMALS_SMALLER,
                       "at a silhouette take the smaller one-sided difference, or central differences everywhere"),
-    SSFR_PARAM_REAL(normals_params, depth_falloff, "radii", 5, 0, 1e6, "a depth step beyond this is a silhouette; in particle radii"),
+    SSFR_PARAM_REAL(normals_params, depth_falloff, "radii", 5, 0, 1e6,
+                    "a depth step beyond this is a silhouette; in particle radii"),
     SSFR_PARAM_FLAG(normals_params, off_axis, 1,
                     "the normal of the surface itself; off: eq. 2.10, which is exact on the view axis alone"),
     SSFR_PARAM_END,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* splat.h: how a particle becomes pixels, shared by all passes that draw particles. The twin of shaders/splat.glsl.
  *
- * point, quad  the particle's orthographic disc, scaled by its distance: a sphere's outline and depth to first order. Points
- *              are what GPUs draw fastest, and are limited: their size is capped, and a point whose centre leaves the
- *              image vanishes whole. Quads have neither limit.
+ * point, quad  the particle's orthographic disc, scaled by its distance: a sphere's outline and depth to first order.
+ *              Points are what GPUs draw fastest, and are limited: their size is capped, and a point whose centre
+ *              leaves the image vanishes whole. Quads have neither limit.
  * exact        the sphere's perspective outline, and its depth along the pixel's own ray. */
 #ifndef SSFR_SPLAT_H
 #define SSFR_SPLAT_H
@@ -28,12 +28,13 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
 
 #define SSFR_SPLAT_ROW(name, member, type, unit, def, min, max, words, help) \
     {name, type, unit, help, offsetof(ssfr_splat_params, member), def, min, max, words}
-#define SSFR_SPLAT_ROWS                                                                                                   \
-    SSFR_SPLAT_ROW("splat", form, SSFR_CHOICE, "1", SSFR_SPLAT_POINT, 0, 0, ssfr_splat_forms,                              \
-                   "point sprite, quad, or the sphere's exact perspective outline and depth"),                           \
-    SSFR_SPLAT_ROW("size", size, SSFR_CHOICE, "1", SSFR_SIZE_DEPTH, 0, 0, ssfr_splat_sizes,                               \
-                   "what shrinks points and quads: depth along the view axis, or distance (Bagar's listing A.8)"),       \
-    SSFR_SPLAT_ROW("radius_scale", radius_scale, SSFR_REAL, "1", 1, 0.01, 100, NULL, "splat radius in particle radii"), \
+#define SSFR_SPLAT_ROWS                                                                                    \
+    SSFR_SPLAT_ROW("splat", form, SSFR_CHOICE, "1", SSFR_SPLAT_POINT, 0, 0, ssfr_splat_forms,              \
+                   "point sprite, quad, or the sphere's exact perspective outline and depth"),             \
+    SSFR_SPLAT_ROW("size", size, SSFR_CHOICE, "1", SSFR_SIZE_DEPTH, 0, 0, ssfr_splat_sizes,                \
+                   "what shrinks points and quads: depth along the view axis, or distance (Bagar's A.8)"), \
+    SSFR_SPLAT_ROW("radius_scale", radius_scale, SSFR_REAL, "1", 1, 0.01, 100, NULL,                       \
+                   "splat radius in particle radii"),                                                      \
     SSFR_SPLAT_ROW("max_point_px", max_point_px, SSFR_REAL, "px", 255, 1, 2048, NULL, "largest point sprite")
 
 #define SSFR_SPLAT_UNIFORMS                                          \

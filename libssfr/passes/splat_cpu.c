@@ -88,7 +88,8 @@ static void cut_front(ssfr_fragment *frag, double near)
     frag->front = near;
 }
 
-static void splat_particle(const ssfr_run *run, const ssfr_splat *splat, size_t i, int y0, int y1, ssfr_splat_shade *shade)
+static void splat_particle(const ssfr_run *run, const ssfr_splat *splat, size_t i, int y0, int y1,
+                           ssfr_splat_shade *shade)
 {
     footprint f;
     ssfr_fragment frag = {.particle = i};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* surface_noise.c: one octave of Perlin noise a particle, splatted, so that it moves with the fluid (Bagar 2010, sec. 2.5.3). */
+/* surface_noise.c: one octave of Perlin noise a particle, which moves with the fluid (Bagar 2010, sec. 2.5.3). */
 #include "passes/surface_noise.h"
 
 typedef struct surface_noise_params {

@@ -14,7 +14,8 @@ static const char *const occlusions[] = {"front", "clipped", NULL};
 static const ssfr_param rows[] = {
     SSFR_SPLAT_ROWS,
     SSFR_PARAM_CHOICE(thickness_params, kernel, kernels, 0,
-                      "chord of the sphere, or the chord times e^(-2 r^2), which leaves no edges but 51 % of the volume"),
+                      "chord of the sphere, or the chord times e^(-2 r^2), which leaves no edges but 51 % of the "
+                      "volume"),
     SSFR_PARAM_CHOICE(thickness_params, occlusion, occlusions, 0,
                       "a particle counts whole when its front is before the scene, or exactly as far as it is"),
     SSFR_PARAM_REAL(thickness_params, scale, "1", 1, 0, 100, "multiplies the sum: spheres do not fill space"),

@@ -7,7 +7,7 @@
 
 typedef struct ssfr_thickness_coeffs {
     ssfr_splat splat;
-    double scale;
+    double scale; /* of the sum */
     int exponential, clipped;
 } ssfr_thickness_coeffs;
 

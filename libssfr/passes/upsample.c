@@ -11,9 +11,11 @@ static const char *const filters[] = {"nearest", "linear", "cubic", NULL};
 
 static const ssfr_param rows[] = {
     SSFR_PARAM_CHOICE(upsample_params, filter, filters, 2,
-                      "nearest (what a paper's GL_NEAREST does), linear, or cubic B-spline, whose normals have no facets"),
+                      "nearest (what a paper's GL_NEAREST does), linear, or cubic B-spline, whose normals have no "
+                      "facets"),
     SSFR_PARAM_REAL(upsample_params, depth_falloff, "radii", 5, 0, 1e6,
-                    "low-resolution depths further than this from the pixel's own are another surface; in particle radii"),
+                    "low-resolution depths further than this from the pixel's own are another surface; in particle "
+                    "radii"),
     SSFR_PARAM_END,
 };
 

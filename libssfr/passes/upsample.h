@@ -7,7 +7,8 @@
 
 typedef struct ssfr_upsample_coeffs {
     double falloff; /* m */
-    int factor, filter;
+    int factor; /* pixels of the guide a pixel of the depth, along each axis */
+    int filter; /* 0 nearest, 1 linear, 2 cubic */
 } ssfr_upsample_coeffs;
 
 void ssfr_upsample_cpu(const ssfr_run *run);

@@ -2,7 +2,7 @@
 /* upsample_cpu.c: a weighted mean of the low-resolution depths that belong to the pixel's own surface, in double. */
 #include "passes/upsample.h"
 
-/* Weights of n neighbours along one axis for a place t in [0, 1) after the second of four (cubic) or the first of two. */
+/* Weights along one axis for a place t in [0, 1) after the second of four neighbours (cubic) or the first of two. */
 static void weigh(int filter, double t, double w[4])
 {
     if (filter == 2) { /* uniform cubic B-spline */
