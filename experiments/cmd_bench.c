@@ -7,6 +7,7 @@
 #include "experiments/frame_file.h"
 #include "experiments/measure.h"
 #include "experiments/meta.h"
+#include "experiments/output.h"
 #include "experiments/setup.h"
 
 typedef struct bench_options {
@@ -121,7 +122,7 @@ static const ssfr_column columns[] = {
     {"backend", "1", 0, "gl, or cpu for the double-precision twins"},
     {"width", "1", 0, "width of the image, px"},
     {"height", "1", 0, "height of the image, px"},
-    {"node", "1", 0, "node of the pipeline; (frame) is all of them untimed, (frame while timed) with each of them timed"},
+    {"node", "1", 0, "node of the pipeline; (frame): all, untimed one by one; (frame while timed): all, each timed"},
     {"pass", "1", 0, "what the node runs"},
     {"status", "1", 0, "ran, or how it was left out"},
     {"why", "1", 0, "why it was left out, empty when it ran"},
@@ -178,6 +179,7 @@ static ssfr_result open_csv(bench *b, const char *path)
         ssfr_column_header(columns[i].name, columns[i].unit, headers[i], sizeof headers[i]);
         names[i] = headers[i];
     }
+    SSFR_TRY(ssfr_output_check_file(path));
     SSFR_TRY(ssfr_aside_begin(&b->aside, path));
     SSFR_TRY(ssfr_csv_create(&b->csv, b->aside.temporary, N_COLUMNS, names, N_KEYS, false));
 end:

@@ -47,13 +47,22 @@ end:
     return result;
 }
 
+ssfr_result ssfr_output_check_file(const char *path)
+{
+    struct stat info;
+    if (!path[0]) return ssfr_fail(SSFR_ERR_VALUE, "an empty file name");
+    if (is_folder(path)) return ssfr_fail(SSFR_ERR_IO, "%s: is a folder", path);
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        return ssfr_fail(SSFR_ERR_IO, "%s: is not a regular file", path);
+    return check_parent(path);
+}
+
 ssfr_result ssfr_output_check_image(const char *path, bool png_too)
 {
     const ssfr_output_kind kind = ssfr_output_kind_of(path);
     if (kind != SSFR_OUTPUT_EXR && !(png_too && kind == SSFR_OUTPUT_PNG))
         return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: the name must end in .exr%s", path, png_too ? " or .png" : "");
-    if (is_folder(path)) return ssfr_fail(SSFR_ERR_IO, "%s: is a folder", path);
-    return check_parent(path);
+    return ssfr_output_check_file(path);
 }
 
 ssfr_result ssfr_output_check_folder(const char *path)

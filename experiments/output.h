@@ -10,7 +10,11 @@ typedef enum ssfr_output_kind { SSFR_OUTPUT_OTHER, SSFR_OUTPUT_EXR, SSFR_OUTPUT_
 /* By the ending of the name, in either case. */
 ssfr_output_kind ssfr_output_kind_of(const char *path);
 
-/* An .exr or .png (or only .exr) that can be written: its folder is there, and it is no folder itself. */
+/* A file that can be written: its folder is there, and it is a regular file or a new one. What is written aside is
+ * renamed into place, which would replace a device or a pipe. */
+SSFR_MUST ssfr_result ssfr_output_check_file(const char *path);
+
+/* The same of an .exr or .png (or only .exr). */
 SSFR_MUST ssfr_result ssfr_output_check_image(const char *path, bool png_too);
 
 /* A folder that can be written to, or that can be made. */

@@ -192,6 +192,10 @@ that 'of which there are as many' [ "$(head -n 1 b.csv | tr , '\n' | wc -l)" -eq
     "$(sed -n '/"columns"/,/}/p' b.meta.json | grep -c '": "')" ]
 refuses 'bench knows its pipelines' 'solver: no such pipeline; there are vanderlaan2009' bench solver
 refuses 'bench finds out at once where it cannot write' 'absent/b.csv' bench -o absent/b.csv
+mkfifo pipe
+refuses 'bench replaces no pipe or device' 'pipe: is not a regular file' bench -o pipe
+that 'which stays as it is' [ -p pipe ]
+rm pipe
 rm ./b.*
 
 # ---- what needs GL ----
