@@ -333,7 +333,7 @@ typedef struct ssfr_report {
     const ssfr_node_report *nodes; /* in execution order; owned by the graph, valid until its next run */
     double wall_ms;      /* wall clock around the finished frame */
     double cpu_ms;       /* of which planning and facts */
-    double image_bytes;  /* held by the graph's images */
+    double image_bytes;  /* held by the graph's images, copies of fields given included, the host's textures not */
     long allocations;    /* images and buffers allocated by the last run: 0 after the first of a kind */
     int n_particles;     /* in packets that touch the view */
     double covered;      /* share of the image's tiles that may hold fluid, [0, 1] */

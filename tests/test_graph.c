@@ -844,6 +844,13 @@ static void the_report_counts_and_times(void **state)
     }
     assert_true(sum > 0 && sum < 1.1 * report->wall_ms + 1);
     assert_int_equal(report->allocations, 0);
+    const double held = report->image_bytes;
+    ssfr_field *depth = test_image(96, 64, 1, -2.385);
+    assert_int_equal(ssfr_graph_import(graph, "fluid_depth", depth), SSFR_OK);
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    assert_true(report->image_bytes == held + 96 * 64 * (test_backend(state) ? 4 : 8));
+    assert_int_equal(ssfr_graph_import(graph, "fluid_depth", NULL), SSFR_OK);
+    ssfr_field_destroy(&depth);
     s.scene.particles = NULL;
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
     assert_int_equal(report->n_particles, 0);

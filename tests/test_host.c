@@ -190,8 +190,10 @@ static void the_picture_is_drawn_into_the_hosts_texture(void **state)
     const GLuint target = make_texture(GL_RGBA32F, W, H);
     ssfr_field *expected = test_graph_picture(r.graph, &r.s.scene, "color", false);
     assert_int_equal(ssfr_graph_export_texture(r.graph, target), SSFR_OK);
+    const double held = ssfr_graph_report(r.graph)->image_bytes;
     for (int keep_all = 0; keep_all < 2; keep_all++) {
         ssfr_field *read = test_graph_picture(r.graph, &r.s.scene, "color", keep_all), *seen = look_at(target, W, H, 3);
+        if (!keep_all) assert_true(ssfr_graph_report(r.graph)->image_bytes == held - 16 * W * H);
         assert_int_equal(test_n_different(seen, expected), 0);
         assert_int_equal(test_n_different(read, expected), 0);
         ssfr_field_destroy(&read);
@@ -234,7 +236,7 @@ static void targets_that_do_not_fit_are_refused(void **state)
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, many), "is not GL_TEXTURE_2D");
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, empty), "has no storage");
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, make_texture(GL_RGBA16F, W, H)),
-                 "is not GL_RGBA32F from level 0 on");
+                 "is not GL_RGBA32F");
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, make_texture(GL_RGBA32UI, W, H)),
                  "has not 3 channels of floats");
     const GLuint small = make_texture(GL_RGBA32F, W - 1, H), right = make_texture(GL_RGBA32F, W, H);
@@ -341,6 +343,23 @@ static void textures_and_fields_replace_each_other(void **state)
     ssfr_field_destroy(&seen);
     ssfr_field_destroy(&a);
     ssfr_field_destroy(&b);
+    tear_down(&r);
+}
+
+/* Shaders would read another level than the one that is drawn into, copied and read back. */
+static void textures_that_begin_at_another_level_are_refused(void **state)
+{
+    (void)state;
+    GLuint texture;
+    rig r;
+    set_up(&r);
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, 2, GL_RGBA32F, 2 * W, 2 * H);
+    glTextureParameteri(texture, GL_TEXTURE_BASE_LEVEL, 1);
+    assert_fails(SSFR_ERR_VALUE, ssfr_graph_import_texture(r.graph, "scene_color", texture), "begins at level 1, not 0");
+    assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, texture), "begins at level 1, not 0");
+    glTextureParameteri(texture, GL_TEXTURE_BASE_LEVEL, 0);
+    assert_int_equal(ssfr_graph_export_texture(r.graph, texture), SSFR_OK);
     tear_down(&r);
 }
 
@@ -568,6 +587,7 @@ int main(void)
         cmocka_unit_test(the_hosts_scene_is_composited_over_in_any_format),
         cmocka_unit_test(a_host_may_have_its_scene_drawn_over_in_place),
         cmocka_unit_test(textures_and_fields_replace_each_other),
+        cmocka_unit_test(textures_that_begin_at_another_level_are_refused),
         cmocka_unit_test(sources_that_do_not_fit_are_refused),
         cmocka_unit_test(the_hosts_particles_are_drawn_as_ours_are),
         cmocka_unit_test(the_hosts_particles_may_be_far_from_the_worlds_origin),

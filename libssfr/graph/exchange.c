@@ -114,14 +114,14 @@ static ssfr_result begin_host(const ssfr_graph *graph, const char *what)
 }
 
 /* Whether shaders read floats from the first `c` channels. */
-static bool has_channels(unsigned texture, int level, int c)
+static bool has_channels(unsigned texture, int c)
 {
     static const GLenum types[] = {GL_TEXTURE_RED_TYPE, GL_TEXTURE_GREEN_TYPE, GL_TEXTURE_BLUE_TYPE,
                                    GL_TEXTURE_ALPHA_TYPE};
     bool ok = true;
     for (int k = 0; k < c; k++) {
         GLint type = GL_NONE;
-        glGetTextureLevelParameteriv(texture, level, types[k], &type);
+        glGetTextureLevelParameteriv(texture, 0, types[k], &type);
         ok &= type == GL_FLOAT || type == GL_UNSIGNED_NORMALIZED || type == GL_SIGNED_NORMALIZED;
     }
     return ok;
@@ -134,11 +134,12 @@ static ssfr_result borrow(const char *what, unsigned name, int channels, ssfr_te
     if (!glIsTexture(name)) return ssfr_fail(SSFR_ERR_VALUE, "%s: %u is not a texture", what, name);
     glGetTextureParameteriv(name, GL_TEXTURE_TARGET, &target);
     if (target != GL_TEXTURE_2D) return ssfr_fail(SSFR_ERR_VALUE, "%s: texture %u is not GL_TEXTURE_2D", what, name);
-    glGetTextureParameteriv(name, GL_TEXTURE_BASE_LEVEL, &level);
-    glGetTextureLevelParameteriv(name, level, GL_TEXTURE_WIDTH, &w);
-    glGetTextureLevelParameteriv(name, level, GL_TEXTURE_HEIGHT, &h);
+    glGetTextureParameteriv(name, GL_TEXTURE_BASE_LEVEL, &level); /* which shaders read, and nothing else does */
+    if (level) return ssfr_fail(SSFR_ERR_VALUE, "%s: texture %u begins at level %d, not 0", what, name, level);
+    glGetTextureLevelParameteriv(name, 0, GL_TEXTURE_WIDTH, &w);
+    glGetTextureLevelParameteriv(name, 0, GL_TEXTURE_HEIGHT, &h);
     if (w < 1 || h < 1) return ssfr_fail(SSFR_ERR_VALUE, "%s: texture %u has no storage", what, name);
-    if (!has_channels(name, level, channels))
+    if (!has_channels(name, channels))
         return ssfr_fail(SSFR_ERR_VALUE, "%s: texture %u has not %d channels of floats or fractions", what, name,
                          channels);
     *out = (ssfr_texture){.name = name, .w = w, .h = h, .c = channels, .borrowed = true};
@@ -170,12 +171,11 @@ end:
 static ssfr_result borrow_target(const char *what, unsigned name, int channels, ssfr_texture *out)
 {
     ssfr_result result = SSFR_OK;
-    GLint format = 0, level = 0;
+    GLint format = 0;
     SSFR_TRY(borrow(what, name, channels, out));
     glGetTextureLevelParameteriv(name, 0, GL_TEXTURE_INTERNAL_FORMAT, &format);
-    glGetTextureParameteriv(name, GL_TEXTURE_BASE_LEVEL, &level);
-    if (format != (channels == 1 ? GL_R32F : GL_RGBA32F) || level != 0)
-        result = ssfr_fail(SSFR_ERR_VALUE, "%s: texture %u is not %s from level 0 on", what, name,
+    if (format != (channels == 1 ? GL_R32F : GL_RGBA32F))
+        result = ssfr_fail(SSFR_ERR_VALUE, "%s: texture %u is not %s", what, name,
                            channels == 1 ? "GL_R32F" : "GL_RGBA32F");
 end:
     return result;

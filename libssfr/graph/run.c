@@ -376,19 +376,20 @@ end:
     return result;
 }
 
+/* The host's own images are not held by the graph. Three channels are four on the GPU. */
+static double bytes_of(const image *im)
+{
+    if (im->field) return (double)sizeof(double) * im->w * im->h * im->c;
+    return im->texture.borrowed ? 0 : (double)sizeof(float) * im->w * im->h * (im->c == 3 ? 4 : im->c);
+}
+
 static double image_bytes(const ssfr_graph *graph)
 {
-    const double value = graph->gl ? sizeof(float) : sizeof(double);
     double bytes = 0;
-    for (int i = 0; i < graph->n_resources; i++) {
-        const image *im = &graph->resources[i].own;
-        bytes += value * im->w * im->h * (graph->gl && im->c == 3 ? 4 : im->c);
-    }
+    for (int i = 0; i < graph->n_resources; i++)
+        bytes += bytes_of(&graph->resources[i].own) + bytes_of(&graph->resources[i].given);
     for (int i = 0; i < graph->n_nodes; i++)
-        for (int k = 0; k < SSFR_MAX_SCRATCH; k++) {
-            const image *im = &graph->nodes[i].scratch[k];
-            bytes += value * im->w * im->h * (graph->gl && im->c == 3 ? 4 : im->c);
-        }
+        for (int k = 0; k < SSFR_MAX_SCRATCH; k++) bytes += bytes_of(&graph->nodes[i].scratch[k]);
     return bytes;
 }
 
