@@ -10,7 +10,10 @@ mkdir -p $out
 if $ssfr info --json -q 2>/dev/null | grep -q '"renderer": null'; then
     echo "no OpenGL 4.5 here: the frame is drawn by the CPU twins alone"
     $ssfr render $scene --size 1280x720 --backend cpu -o $out/$scene.png
-    echo "wrote $out/$scene.png"
+    echo
+    $ssfr bench --scene $scene --size 1280x720 --backend cpu --quick -o $out/bench.csv
+    echo
+    echo "wrote $out/$scene.png, $out/bench.csv"
     exit 0
 fi
 
