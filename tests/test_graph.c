@@ -679,7 +679,9 @@ static void a_pass_by_itself_answers_to_its_ports(void **state)
         assert_close(normal->data[3 * i + 2], 1, 1e-6, 0);
     }
     assert_int_equal(ssfr_graph_want(graph, "surface_depth"), SSFR_OK);
-    assert_fails(SSFR_ERR_UNKNOWN, ssfr_graph_read(graph, "thickness", &got), "thickness: pipeline normals has no");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_graph_read(graph, "thickness", &got), "thickness: pass normals has no");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_graph_set(graph, "normals.edges", "central"),
+                 "normals.edges: pass normals has no such parameter (ssfr passes normals lists them)");
     assert_int_equal(ssfr_graph_set(graph, "normals.edge", "central"), SSFR_OK);
     ssfr_field_destroy(&normal);
     ssfr_field_destroy(&depth);

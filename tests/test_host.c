@@ -356,7 +356,8 @@ static void textures_that_begin_at_another_level_are_refused(void **state)
     glCreateTextures(GL_TEXTURE_2D, 1, &texture);
     glTextureStorage2D(texture, 2, GL_RGBA32F, 2 * W, 2 * H);
     glTextureParameteri(texture, GL_TEXTURE_BASE_LEVEL, 1);
-    assert_fails(SSFR_ERR_VALUE, ssfr_graph_import_texture(r.graph, "scene_color", texture), "begins at level 1, not 0");
+    assert_fails(SSFR_ERR_VALUE, ssfr_graph_import_texture(r.graph, "scene_color", texture),
+                 "begins at level 1, not 0");
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_export_texture(r.graph, texture), "begins at level 1, not 0");
     glTextureParameteri(texture, GL_TEXTURE_BASE_LEVEL, 0);
     assert_int_equal(ssfr_graph_export_texture(r.graph, texture), SSFR_OK);

@@ -22,7 +22,8 @@ static ssfr_result find_resource(const ssfr_graph *graph, const char *name, int 
     *out = slot ? graph->last[slot] : -1;
     if (*out < 0 && graph->single) *out = port_resource(&graph->nodes[0], name);
     if (*out < 0)
-        return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: pipeline %s has no such image", name, graph->pipeline->name);
+        return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: %s %s has no such image", name, graph->single ? "pass" : "pipeline",
+                         graph->pipeline->name);
     return SSFR_OK;
 }
 

@@ -289,8 +289,9 @@ const ssfr_param *ssfr_graph_row(const ssfr_graph *graph, const char *key)
 
 static ssfr_result fail_key(const ssfr_graph *graph, const char *key)
 {
-    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: pipeline %s has no such parameter (ssfr pipelines %s lists them)", key,
-                     graph->pipeline->name, graph->pipeline->name);
+    const char *kind = graph->single ? "pass" : "pipeline", *list = graph->single ? "passes" : "pipelines";
+    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: %s %s has no such parameter (ssfr %s %s lists them)", key, kind,
+                     graph->pipeline->name, list, graph->pipeline->name);
 }
 
 ssfr_result ssfr_graph_set(ssfr_graph *graph, const char *key, const char *value)

@@ -23,7 +23,8 @@ static const char *const references[] = {"mean", "nearest", NULL};
 static const ssfr_param rows[] = {
     SSFR_PARAM_INT(curvature_flow_params, iterations, "1", 40, 0, 100000, "Euler steps"),
     SSFR_PARAM_REAL(curvature_flow_params, step, "1", 0.9, 1e-6, 100,
-                    "the step as a share of the stability bound |z| C_x C_y / (C_x + C_y) at the reference distance"),
+                    "the step as a share of the stability bound at the reference distance, which without off_axis is "
+                    "|z| C_x C_y / (C_x + C_y)"),
     SSFR_PARAM_CHOICE(curvature_flow_params, reference, references, SSFR_REFERENCE_MEAN,
                       "where the bound is taken: the mean distance of the particles in view, or the nearest of them"),
     SSFR_PARAM_REAL(curvature_flow_params, dt, "m^2", 0, 0, 1e12, "the step itself; 0: by the share above"),

@@ -17,7 +17,7 @@ static const ssfr_param rows[] = {
                       "chord of the sphere, or the chord times e^(-2 r^2), which leaves no edges but 51 % of the "
                       "volume"),
     SSFR_PARAM_CHOICE(thickness_params, occlusion, occlusions, 0,
-                      "a particle counts whole when its front is before the scene, or exactly as far as it is"),
+                      "a particle whose front is before the scene counts whole, or with its part before the scene"),
     SSFR_PARAM_REAL(thickness_params, scale, "1", 1, 0, 100, "multiplies the sum: spheres do not fill space"),
     SSFR_PARAM_END,
 };
