@@ -103,7 +103,8 @@ typedef struct ssfr_camera {
     int w, h;              /* px */
 } ssfr_camera;
 
-/* A camera at eye that looks at target. fov_y is the full vertical angle, (0, pi); pixels are square. */
+/* A camera at eye that looks at target. fov_y is the full vertical angle, (0, pi); pixels are square. near and far
+ * are set to 0.01 and 1000 m. */
 SSFR_API SSFR_MUST ssfr_result ssfr_camera_look(ssfr_camera *out, const double eye[3], const double target[3],
                                                 const double up[3], double fov_y, int w, int h);
 
