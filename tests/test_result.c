@@ -188,13 +188,27 @@ static void files_that_cannot_be_read_are_refused(void **state)
     assert_null(got);
     assert_int_equal(mkfifo(pipe, 0600), 0);
     const int held = open(pipe, O_RDWR); /* else opening it would wait for a writer */
-    assert_fails(SSFR_ERR_IO, ssfr_read_file(pipe, 100, &got, &size), "pipe: not a regular file");
+    assert_fails(SSFR_ERR_IO, ssfr_read_file(pipe, 100, &got, &size), "fifo: not a regular file");
     close(held);
 }
 
 static bool exists(const char *path)
 {
     return access(path, F_OK) == 0;
+}
+
+static void what_is_no_file_is_not_replaced(void **state)
+{
+    (void)state;
+    ssfr_aside aside;
+    struct stat info;
+    const char *path = test_path("fifo");
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_fails(SSFR_ERR_IO, ssfr_aside_begin(&aside, path), "pipe: not a regular file");
+    assert_int_equal(ssfr_aside_end(&aside, SSFR_ERR_IO), SSFR_ERR_IO);
+    assert_int_equal(stat(path, &info), 0);
+    assert_true(S_ISFIFO(info.st_mode));
+    assert_fails(SSFR_ERR_IO, ssfr_aside_begin(&aside, "/tmp"), "/tmp: Is a directory");
 }
 
 static void a_file_written_aside_appears_when_complete(void **state)
@@ -233,8 +247,8 @@ static void a_file_that_failed_leaves_nothing(void **state)
     assert_int_equal(ssfr_aside_end(&aside, SSFR_ERR_FORMAT), SSFR_ERR_FORMAT);
     assert_int_equal(test_n_errors(), 0);
     assert_false(exists(path) || exists(temporary));
-    assert_int_equal(mkdir(folder, 0700), 0);
     assert_int_equal(ssfr_aside_begin(&aside, folder), SSFR_OK);
+    assert_int_equal(mkdir(folder, 0700), 0); /* somebody makes a folder meanwhile */
     snprintf(temporary, sizeof temporary, "%s", aside.temporary);
     test_write_file(temporary, "half", 4);
     assert_fails(SSFR_ERR_IO, ssfr_aside_end(&aside, SSFR_OK), "folder: Is a directory");
@@ -255,6 +269,7 @@ int main(void)
         cmocka_unit_test(clock_runs_forwards),
         cmocka_unit_test(a_file_is_read_whole),
         cmocka_unit_test(files_that_cannot_be_read_are_refused),
+        cmocka_unit_test(what_is_no_file_is_not_replaced),
         cmocka_unit_test(a_file_written_aside_appears_when_complete),
         cmocka_unit_test(a_file_that_failed_leaves_nothing),
     };

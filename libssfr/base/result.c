@@ -138,8 +138,12 @@ end:
 ssfr_result ssfr_aside_begin(ssfr_aside *aside, const char *path)
 {
     ssfr_result result = SSFR_OK;
+    struct stat info;
     const size_t length = strlen(path) + 32;
     *aside = (ssfr_aside){0};
+    /* Renaming would put a file in the place of a device or a pipe. */
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        return ssfr_fail(SSFR_ERR_IO, "%s: %s", path, S_ISDIR(info.st_mode) ? strerror(EISDIR) : "not a regular file");
     SSFR_TRY(ssfr_alloc(&aside->path, length, 1, "a path"));
     SSFR_TRY(ssfr_alloc(&aside->temporary, length, 1, "a path"));
     snprintf(aside->path, length, "%s", path);
