@@ -282,13 +282,16 @@ SSFR_API void ssfr_graph_want_all(ssfr_graph *graph, bool all);
 /* Gives a slot from outside instead of by its node: a field (copied), or the host's texture (GL; row 0 on top). NULL
  * and texture 0 take it back. The run fails when the size does not fit its frame: that of the camera, or that over a
  * power of two up to 32, rounded up; or one pixel for all, but of a depth of the fluid. A depth of the fluid needs no
- * particles, but a radius where parameters are in particle radii: that of scene.particles, whose n may be 0. */
+ * particles, but a radius where parameters are in particle radii: that of scene.particles, whose n may be 0. How far
+ * the fluid is, is measured in fields alone: a texture without particles in view counts as at the near plane, and then
+ * curvature_flow.dt should be set. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_field *field);
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsigned texture);
 /* Writes the pipeline's result into the host's RGBA32F texture of the camera's size; 0: no longer. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_export_texture(ssfr_graph *graph, unsigned texture);
 /* Takes positions from the host's buffer: n particles, stride floats apart, first at float `first`, relative to
- * origin (m, world). The scene's particles must be NULL then. buffer 0: no longer. */
+ * origin (m, world). The scene's particles must be NULL then. buffer 0: no longer.
+ * All are drawn, and their mean distance is that of at most 256 of them; the nearest counts as at the near plane. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_buffer(ssfr_graph *graph, unsigned buffer, size_t n, size_t stride,
                                                         size_t first, const double origin[3], double radius);
 
