@@ -188,7 +188,7 @@ static void files_that_cannot_be_read_are_refused(void **state)
     assert_null(got);
     assert_int_equal(mkfifo(pipe, 0600), 0);
     const int held = open(pipe, O_RDWR); /* else opening it would wait for a writer */
-    assert_fails(SSFR_ERR_IO, ssfr_read_file(pipe, 100, &got, &size), "fifo: not a regular file");
+    assert_fails(SSFR_ERR_IO, ssfr_read_file(pipe, 100, &got, &size), "pipe: not a regular file");
     close(held);
 }
 
@@ -204,7 +204,7 @@ static void what_is_no_file_is_not_replaced(void **state)
     struct stat info;
     const char *path = test_path("fifo");
     assert_int_equal(mkfifo(path, 0600), 0);
-    assert_fails(SSFR_ERR_IO, ssfr_aside_begin(&aside, path), "pipe: not a regular file");
+    assert_fails(SSFR_ERR_IO, ssfr_aside_begin(&aside, path), "fifo: not a regular file");
     assert_int_equal(ssfr_aside_end(&aside, SSFR_ERR_IO), SSFR_ERR_IO);
     assert_int_equal(stat(path, &info), 0);
     assert_true(S_ISFIFO(info.st_mode));
