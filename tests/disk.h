@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-/* From here on no file may grow beyond `size` bytes: writing more fails, as on a full disk. SIZE_MAX lifts the limit. */
+/* From here on no file may grow beyond `size` bytes: more fails, as on a full disk. SIZE_MAX lifts the limit. */
 void test_limit_file_size(size_t size);
 
 /* Files in the folder of `path` whose names hold `text`. */

@@ -23,7 +23,8 @@ static void create_heap(test_scene *s, double x, double y, double z)
 {
     double positions[3 * SSFR_PACKET];
     uint64_t seed = 11;
-    for (int i = 0; i < 3 * SSFR_PACKET; i++) positions[i] = (double[3]){x, y, z}[i % 3] + test_random(&seed, -0.2, 0.2);
+    for (int i = 0; i < 3 * SSFR_PACKET; i++)
+        positions[i] = (double[3]){x, y, z}[i % 3] + test_random(&seed, -0.2, 0.2);
     test_scene_create(s, SSFR_PACKET, positions, 0.02);
     test_scene_look(s, (const double[3]){0, 0, 0}, (const double[3]){0, 0, -1}, 60, 320, 200);
 }

@@ -29,7 +29,7 @@ static const ssfr_option more_rows[] = {
     ROW(size, "size", 0, SIZE, "WxH", "a size", 0, 0),
     ROW(word, "backend", 0, WORD, "gl|cpu|both", "one of some words", 0, 0),
     ROW(list, "set", 's', LIST, "KEY=VALUE",
-        "what can be repeated, with a help text that is so long that it does not fit into a single line of the terminal",
+        "what can be repeated, with a help text that is so long that it does not fit into a single line of a terminal",
         0, 0),
     SSFR_OPTION_END,
 };
