@@ -23,6 +23,13 @@ bool is_surface(float z) { return abs(z) < SURFACE; }
 // The pixel nearest to p: a 1x1 image of a neutral value serves any size.
 vec4 fetch(sampler2D t, ivec2 p) { return texelFetch(t, clamp(p, ivec2(0), textureSize(t, 0) - 1), 0); }
 
+// A depth image's value; outside the image there is no surface.
+float depth_at(sampler2D t, ivec2 p)
+{
+    bool within = all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, textureSize(t, 0)));
+    return within ? texelFetch(t, p, 0).x : -EMPTY;
+}
+
 // Between the four pixels around p, in pixels; centres stand at halves.
 vec4 fetch_linear(sampler2D t, vec2 p)
 {

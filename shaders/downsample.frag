@@ -9,8 +9,6 @@ uniform int u_rule; // 0: the pixel right and below of the middle, 1: nearest to
 
 layout(location = 0) out float o_low;
 
-float depth_at(ivec2 p) { return all(lessThan(p, textureSize(t_depth, 0))) ? texelFetch(t_depth, p, 0).x : -EMPTY; }
-
 void main()
 {
     ivec2 block = ivec2(gl_FragCoord.xy) * u_factor;
@@ -22,7 +20,7 @@ void main()
     float sum = 0.0, count = 0.0;
     for (int j = 0; j < u_factor; j++)
         for (int i = 0; i < u_factor; i++) {
-            float z = depth_at(block + ivec2(i, j));
+            float z = depth_at(t_depth, block + ivec2(i, j));
             if (!is_surface(z)) continue;
             o_low = max(o_low, z);
             sum += z;

@@ -11,16 +11,10 @@ uniform vec2 u_c;
 
 layout(location = 0) out vec4 o_shading_normal;
 
-bool has_surface(ivec2 p)
-{
-    bool within = all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, textureSize(t_depth, 0)));
-    return within && is_surface(texelFetch(t_depth, p, 0).x);
-}
-
 // The noise's change a pixel along d, one-sided where a neighbour has no surface and so no noise.
 float slope(ivec2 p, ivec2 d)
 {
-    int before = int(has_surface(p - d)), after = int(has_surface(p + d));
+    int before = int(is_surface(depth_at(t_depth, p - d))), after = int(is_surface(depth_at(t_depth, p + d)));
     float change = fetch(t_noise, p + after * d).x - fetch(t_noise, p - before * d).x;
     return change / float(max(before + after, 1));
 }

@@ -23,13 +23,6 @@ float slope(float before, float z, float after)
     return has_after ? right : 0.0;
 }
 
-// Outside the image there is no surface: a pixel repeated there would halve the slope at its border.
-float depth_at(ivec2 p)
-{
-    bool within = all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, textureSize(t_depth, 0)));
-    return within ? texelFetch(t_depth, p, 0).x : -EMPTY;
-}
-
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
@@ -37,8 +30,9 @@ void main()
     if (!is_surface(z)) discard;
     vec2 uv = vec2(gl_FragCoord.x * u_divisor - 0.5 * frame.image.x, 0.5 * frame.image.y - gl_FragCoord.y * u_divisor);
     uv *= frame.image.zw;
-    float p = slope(depth_at(at - ivec2(1, 0)), z, depth_at(at + ivec2(1, 0))) / u_c.x;
-    float q = slope(depth_at(at + ivec2(0, 1)), z, depth_at(at - ivec2(0, 1))) / u_c.y; // upwards
+    // Not fetch: a pixel repeated outside the image would halve the slope at its border.
+    float p = slope(depth_at(t_depth, at - ivec2(1, 0)), z, depth_at(t_depth, at + ivec2(1, 0))) / u_c.x;
+    float q = slope(depth_at(t_depth, at + ivec2(0, 1)), z, depth_at(t_depth, at - ivec2(0, 1))) / u_c.y; // upwards
     float w = z + (u_off_axis != 0 ? uv.x * p + uv.y * q : 0.0);
     o_normal = vec4(normalize(vec3(-p, -q, -w)), 0.0);
 }

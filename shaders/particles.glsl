@@ -5,7 +5,7 @@
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 1) readonly buffer Offsets { vec4 offsets[]; }; // a packet each
 
-uniform ivec2 u_layout; // floats from one position to the next, and before the first
+layout(location = 0) uniform ivec2 u_layout; // floats from one position to the next, and before the first
 
 const int PACKET = 64; // SSFR_PACKET of ssfr.h
 

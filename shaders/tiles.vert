@@ -5,7 +5,7 @@
 
 layout(std430, binding = 2) readonly buffer Tiles { uint tiles[]; };
 
-uniform ivec4 u_tile; // px of a tile's side in the target, by tiles or whole, target w and h in px
+layout(location = 0) uniform ivec4 u_tile; // px of a tile's side in the target, by tiles or whole, target w and h in px
 
 void main()
 {

@@ -16,6 +16,12 @@ static inline bool ssfr_is_surface(double z)
     return fabs(z) < SSFR_SURFACE;
 }
 
+/* A depth image's value; outside the image there is no surface. */
+static inline double ssfr_depth_at(const ssfr_field *f, int x, int y)
+{
+    return x >= 0 && y >= 0 && x < f->w && y < f->h ? *ssfr_field_at(f, x, y) : -SSFR_EMPTY;
+}
+
 /* Rounds every value to float, as a GPU texture holds it. */
 void ssfr_field_round(ssfr_field *field);
 

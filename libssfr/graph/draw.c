@@ -4,6 +4,9 @@
 
 #include <epoxy/gl.h>
 
+/* Locations of the uniforms that drawing itself sets, as tiles.vert and particles.glsl have them. */
+enum { SSFR_AT_TILE = 0, SSFR_AT_LAYOUT = 0 };
+
 void ssfr_draw_bind(const ssfr_draw *draw, int k, const ssfr_texture *texture)
 {
     glBindTextureUnit((GLuint)k, texture->name);
@@ -18,10 +21,10 @@ ssfr_result ssfr_draw_screen(const ssfr_run *run, unsigned program, int n, const
     SSFR_TRY(ssfr_gl_target(draw->gl, n, targets));
     glUseProgram(program);
     if (draw->whole_screen) {
-        glUniform4i(glGetUniformLocation(program, "u_tile"), 0, 0, targets[0]->w, targets[0]->h);
+        glUniform4i(SSFR_AT_TILE, 0, 0, targets[0]->w, targets[0]->h);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     } else {
-        glUniform4i(glGetUniformLocation(program, "u_tile"), SSFR_TILE / run->divisor, 1, targets[0]->w, targets[0]->h);
+        glUniform4i(SSFR_AT_TILE, SSFR_TILE / run->divisor, 1, targets[0]->w, targets[0]->h);
         glDrawArrays(GL_TRIANGLES, 0, 6 * run->frame->facts.n_tiles);
     }
 end:
@@ -51,7 +54,7 @@ ssfr_result ssfr_draw_splats(const ssfr_run *run, unsigned program, ssfr_splat_p
     SSFR_TRY(ssfr_gl_target(draw->gl, draw->n_out, draw->out));
     set_blend(blend);
     glUseProgram(program);
-    glUniform2i(glGetUniformLocation(program, "u_layout"), draw->stride, draw->first);
+    glUniform2i(SSFR_AT_LAYOUT, draw->stride, draw->first);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, draw->quads);
     for (int i = 0; i < facts->n_ranges; i++) {
         if (primitive == SSFR_POINTS) glDrawArrays(GL_POINTS, facts->first[i], facts->count[i]);

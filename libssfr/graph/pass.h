@@ -87,6 +87,7 @@ struct ssfr_pass {
     const ssfr_param *params;
     size_t params_size, coeffs_size;
     int n_scratch;     /* images like output 0 that the graph lends */
+    double taps;       /* samples a written pixel, where they are always as many; 0: one of each input */
     bool whole_screen; /* writes every pixel; else only tiles with fluid, the rest is neutral */
     bool uses_ids;     /* draws particles by id: the ids are uploaded */
 

@@ -278,7 +278,7 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
 {
     const double px = covered_px(graph, n);
     report->iterations = 1;
-    report->taps = n->n_in;
+    report->taps = n->pass->taps > 0 ? n->pass->taps : n->n_in;
     for (int k = 0; k < n->n_in; k++) {
         const resource *r = &graph->resources[n->in[k]];
         report->bytes += 4.0 * ssfr_slots[r->slot].channels * px * ssfr_square((double)n->run.divisor / r->divisor);

@@ -59,12 +59,6 @@ static void derive(const ssfr_run *run, void *coeffs)
         .reject = p->reject, .reflection = p->reflection, .single = p->attenuation_form == SSFR_ATTENUATION_SINGLE};
 }
 
-static void work(const ssfr_run *run, ssfr_node_report *report)
-{
-    (void)run;
-    report->taps = 9; /* the scene's colour 4, and 1 to begin as it; its depth; depth, normal and thickness */
-}
-
 const ssfr_pass ssfr_composite = {
     .name = "composite",
     .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (eqs 2.18, 2.19)",
@@ -76,12 +70,12 @@ const ssfr_pass ssfr_composite = {
     .params = rows,
     .params_size = sizeof(composite_params),
     .coeffs_size = sizeof(ssfr_composite_coeffs),
+    .taps = 9, /* the scene's colour 4, and 1 to begin as it; its depth; depth, normal and thickness */
     .derive = derive,
     .needed = ssfr_needs_fluid,
     .needless = SSFR_NO_FLUID ": the picture is the scene",
     .cpu_run = ssfr_composite_cpu,
     .programs = {{"tiles.vert", "composite.frag", NULL}},
     .uniforms = uniforms,
-    .work = work,
     .tolerance = {.abs = 1e-3, .rel = 1e-3, .outliers = 0.01},
 };

@@ -4,11 +4,6 @@
  * image. */
 #include "passes/downsample.h"
 
-static double depth_at(const ssfr_field *f, int x, int y)
-{
-    return x < f->w && y < f->h ? *ssfr_field_at(f, x, y) : -SSFR_EMPTY;
-}
-
 static double from_block(const ssfr_field *depth, int x, int y, int n, int rule)
 {
     double nearest = -SSFR_EMPTY, sum = 0;
@@ -16,7 +11,7 @@ static double from_block(const ssfr_field *depth, int x, int y, int n, int rule)
     if (rule == SSFR_DOWNSAMPLE_NEAREST) return *ssfr_field_fetch(depth, x * n + n / 2, y * n + n / 2);
     for (int j = 0; j < n; j++)
         for (int i = 0; i < n; i++) {
-            const double z = depth_at(depth, x * n + i, y * n + j);
+            const double z = ssfr_depth_at(depth, x * n + i, y * n + j);
             if (!ssfr_is_surface(z)) continue;
             nearest = fmax(nearest, z);
             sum += z;

@@ -30,12 +30,6 @@ static bool needed(const ssfr_run *run)
     return ((const noise_normals_params *)run->params)->height > 0 && run->frame->facts.fluid;
 }
 
-static void work(const ssfr_run *run, ssfr_node_report *report)
-{
-    (void)run;
-    report->taps = 10;
-}
-
 const ssfr_pass ssfr_noise_normals = {
     .name = "noise_normals",
     .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (Fig. 2.10)",
@@ -45,12 +39,12 @@ const ssfr_pass ssfr_noise_normals = {
     .params = rows,
     .params_size = sizeof(noise_normals_params),
     .coeffs_size = sizeof(ssfr_noise_normals_coeffs),
+    .taps = 10,
     .derive = derive,
     .needed = needed,
     .needless = "waves of height 0, or no fluid in view",
     .cpu_run = ssfr_noise_normals_cpu,
     .programs = {{"tiles.vert", "noise_normals.frag", NULL}},
     .uniforms = uniforms,
-    .work = work,
     .tolerance = {.abs = 2e-3, .rel = 0, .outliers = 0.01},
 };

@@ -2,16 +2,12 @@
 /* noise_normals_cpu.c: normals leaning with the noise's slope on a surface that faces the eye, in double. */
 #include "passes/noise_normals.h"
 
-static bool has_surface(const ssfr_field *depth, int x, int y)
-{
-    return x >= 0 && y >= 0 && x < depth->w && y < depth->h && ssfr_is_surface(*ssfr_field_at(depth, x, y));
-}
-
 /* The noise's change a pixel along (dx, dy), one-sided where a neighbour has no surface and so no noise. */
 static double slope(const ssfr_run *run, int x, int y, int dx, int dy)
 {
     const ssfr_field *noise = run->in[1];
-    const int before = has_surface(run->in[2], x - dx, y - dy), after = has_surface(run->in[2], x + dx, y + dy);
+    const int before = ssfr_is_surface(ssfr_depth_at(run->in[2], x - dx, y - dy));
+    const int after = ssfr_is_surface(ssfr_depth_at(run->in[2], x + dx, y + dy));
     const double change = *ssfr_field_fetch(noise, x + after * dx, y + after * dy) -
                           *ssfr_field_fetch(noise, x - before * dx, y - before * dy);
     return change / ssfr_max_int(before + after, 1);

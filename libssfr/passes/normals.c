@@ -39,12 +39,6 @@ static void derive(const ssfr_run *run, void *coeffs)
     c->off_axis = p->off_axis;
 }
 
-static void work(const ssfr_run *run, ssfr_node_report *report)
-{
-    (void)run;
-    report->taps = 5;
-}
-
 const ssfr_pass ssfr_normals = {
     .name = "normals",
     .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (eq. 2.10, errata B3, B21)",
@@ -54,12 +48,12 @@ const ssfr_pass ssfr_normals = {
     .params = rows,
     .params_size = sizeof(normals_params),
     .coeffs_size = sizeof(ssfr_normals_coeffs),
+    .taps = 5,
     .derive = derive,
     .needed = ssfr_needs_fluid,
     .needless = SSFR_NO_FLUID,
     .cpu_run = ssfr_normals_cpu,
     .programs = {{"tiles.vert", "normals.frag", NULL}},
     .uniforms = uniforms,
-    .work = work,
     .tolerance = {.abs = 2e-3, .rel = 0, .outliers = 0.01},
 };

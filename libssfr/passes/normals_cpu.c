@@ -13,12 +13,6 @@ static double slope(double before, double z, double after, const ssfr_normals_co
     return has_after ? right : 0;
 }
 
-/* Outside the image there is no surface: a pixel repeated there would halve the slope at its border. */
-static double depth_at(const ssfr_field *f, int x, int y)
-{
-    return x >= 0 && y >= 0 && x < f->w && y < f->h ? *ssfr_field_at(f, x, y) : -SSFR_EMPTY;
-}
-
 static void normal_at(const ssfr_run *run, int x, int y, double z, double n[3])
 {
     const ssfr_normals_coeffs *c = run->coeffs;
@@ -26,8 +20,9 @@ static void normal_at(const ssfr_run *run, int x, int y, double z, double n[3])
     const double *image = run->frame->block.image;
     const double u = ((x + 0.5) * c->divisor - 0.5 * image[0]) * image[2];
     const double v = (0.5 * image[1] - (y + 0.5) * c->divisor) * image[3];
-    const double p = slope(depth_at(f, x - 1, y), z, depth_at(f, x + 1, y), c) / c->c[0];
-    const double q = slope(depth_at(f, x, y + 1), z, depth_at(f, x, y - 1), c) / c->c[1]; /* upwards */
+    /* Not ssfr_field_fetch: a pixel repeated outside the image would halve the slope at its border. */
+    const double p = slope(ssfr_depth_at(f, x - 1, y), z, ssfr_depth_at(f, x + 1, y), c) / c->c[0];
+    const double q = slope(ssfr_depth_at(f, x, y + 1), z, ssfr_depth_at(f, x, y - 1), c) / c->c[1]; /* upwards */
     n[0] = -p, n[1] = -q;
     n[2] = -(z + (c->off_axis ? u * p + v * q : 0));
     ssfr_normalize(n);
