@@ -129,16 +129,23 @@ static void noise_moves_with_its_particle(void **state)
 
 /* ---- its kernel -------------------------------------------------------------------------------------------------- */
 
-/* Gradient noise vanishes where lattice lines cross: with n cells a radius, at multiples of 1 / n radii. */
-static void noise_vanishes_at_the_corners_of_its_cells(void **state)
+/* The noise by itself, of one quad before the surface: no Gaussian, no fading. */
+static test_twin *create_bare(void **state, const char *frequency)
 {
     test_twin *t = test_twin_create(state, "surface_noise", 65, 65);
-    static const double c[3] = {0, 0, -4};
     test_twin_give(t, "depth", test_field_filled(65, 65, 1, -2.385));
     test_twin_set(t, "splat", "quad");
     test_twin_set(t, "sharpness", "0");
     test_twin_set(t, "depth_falloff", "0");
-    test_twin_set(t, "frequency", "4");
+    test_twin_set(t, "frequency", frequency);
+    return t;
+}
+
+/* Gradient noise vanishes where lattice lines cross: with n cells a radius, at multiples of 1 / n radii. */
+static void noise_vanishes_at_the_corners_of_its_cells(void **state)
+{
+    test_twin *t = create_bare(state, "4");
+    static const double c[3] = {0, 0, -4};
     /* 24 px and a cell of 6 px: lattice points in pixels' middles. */
     const ssfr_field *noise = one(t, c, 24 * 4.0 / 65, 7);
     double at_corners = 0, between = 0;
@@ -156,13 +163,8 @@ static void noise_vanishes_at_the_corners_of_its_cells(void **state)
  * across the edges of cells too, and the noise comes from both sides of zero. */
 static void noise_is_continuous_across_cells(void **state)
 {
-    test_twin *t = test_twin_create(state, "surface_noise", 65, 65);
+    test_twin *t = create_bare(state, "1");
     static const double c[3] = {0, 0, -4};
-    test_twin_give(t, "depth", test_field_filled(65, 65, 1, -2.385));
-    test_twin_set(t, "splat", "quad");
-    test_twin_set(t, "sharpness", "0");
-    test_twin_set(t, "depth_falloff", "0");
-    test_twin_set(t, "frequency", "1");
     for (uint32_t id = 0; id < 8; id++) {
         const ssfr_field *noise = one(t, c, 24 * 4.0 / 65, id);
         double steepest = 0, lo = 0, hi = 0;
