@@ -125,6 +125,8 @@ typedef struct ssfr_packet {
     X(velocity, float, 3, "m/s")  \
     X(density, float, 1, "kg/m^3") \
     X(lifetime, float, 1, "s")    \
+    X(initial_lifetime, float, 1, "s") \
+    X(age, float, 1, "s")         \
     X(neighbours, uint32_t, 1, "1") \
     X(id, uint32_t, 1, "1")       \
     X(kind, uint32_t, 1, "1")
@@ -157,6 +159,9 @@ static inline void ssfr_particles_position(const ssfr_particles *p, size_t i, do
 
 typedef struct ssfr_load_options {
     double radius;       /* m; 0: from the file, else estimated from the spacing (logged) */
+    double unit;         /* m, the file's unit of length: positions, velocities and radius are multiplied by it; 0: 1 */
+    char up;             /* the file's axis that points up, 'x', 'y' or 'z', which is turned to y; 0: y */
+    const char *map;     /* HDF5: where a foreign file has its arrays, "position=/a/x,velocity=/a/v"; NULL: ssfr's own */
     bool drop_nonfinite; /* drop particles with a NaN or infinite value instead of refusing the file */
     size_t n_dropped;    /* out */
 } ssfr_load_options;
@@ -178,14 +183,39 @@ SSFR_API void ssfr_particles_bounds(const ssfr_particles *particles, double lo[3
 
 /* ---- scene: what a frame shows --------------------------------------------------------------------------------- */
 
-typedef struct ssfr_solid { /* an oriented box */
+/* A closed surface of triangles, in metres. */
+typedef struct ssfr_mesh ssfr_mesh;
+
+/* Vertices are xyz[3 n]; triangles are counter-clockwise seen from outside, three indices each. Fails with
+ * SSFR_ERR_VALUE, and the counts, where triangles are degenerate or edges are not shared by exactly two triangles that
+ * run along them in opposite directions. */
+SSFR_API SSFR_MUST ssfr_result ssfr_mesh_create(ssfr_mesh **out, size_t n_vertices, const double *vertices,
+                                                size_t n_triangles, const uint32_t *triangles);
+/* Reads .obj, .stl or .ply; polygons are cut into triangles, vertices in the same place become one. */
+SSFR_API SSFR_MUST ssfr_result ssfr_mesh_load(ssfr_mesh **out, const char *path);
+SSFR_API void ssfr_mesh_destroy(ssfr_mesh **mesh);
+
+/* In the solid's own axes, its centre at 0. */
+typedef enum ssfr_shape {
+    SSFR_BOX,      /* |x| <= half[0], |y| <= half[1], |z| <= half[2] */
+    SSFR_CYLINDER, /* along y: radius half[0] = half[2], half height half[1]; hollow where inner > 0: a tube */
+    SSFR_SPHERE,   /* of radius half[0] */
+    SSFR_RAMP,     /* the box's half below the plane from its edge at -x, -y to that at +x, +y */
+    SSFR_PLANE,    /* y <= 0, without end */
+    SSFR_MESH,     /* the mesh */
+} ssfr_shape;
+
+typedef struct ssfr_solid {
+    ssfr_shape shape;
     double centre[3];  /* m, world */
-    double axis[3][3]; /* orthonormal rows, world */
-    double half[3];    /* m, half extents, (0, inf) */
+    double axis[3][3]; /* orthonormal rows, world, right-handed */
+    double half[3];    /* m, (0, inf), where the shape has them */
+    double inner;      /* m, inner radius of a tube, [0, half[0]) */
+    const ssfr_mesh *mesh;
     double colour[3];  /* linear reflectance, [0, 1] */
 } ssfr_solid;
 
-enum { SSFR_MAX_SOLIDS = 16 };
+enum { SSFR_MAX_SOLIDS = 64 };
 
 typedef struct ssfr_scene {
     const ssfr_particles *particles; /* NULL for none; without particles (n = 0) they still tell the radius */
@@ -193,6 +223,9 @@ typedef struct ssfr_scene {
     const ssfr_solid *solids;
     int n_solids;     /* [0, SSFR_MAX_SOLIDS] */
     double floor;     /* m, world y of the ground plane; -inf for none */
+    const ssfr_field *environment; /* NULL: the procedural sky. Linear radiance from all directions, 3 channels, laid out
+                                    * as OpenEXR's latitude-longitude maps: row 0 looks up (+y), the middle column
+                                    * along +z, and +x is a quarter from the left */
 } ssfr_scene;
 
 /* ---- images: EXR and PNG ---------------------------------------------------------------------------------------- */
