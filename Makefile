@@ -107,7 +107,7 @@ $(BUILD)/experiments/meta.o: $(BUILD)/commit
 $(BUILD)/experiments/meta.o: CFLAGS_ALL += -DSSFR_COMMIT='"$(COMMIT)"'
 FORCE:
 
-$(BUILD)/experiments/scenes/embedded.o: experiments/scenes/data/double_dam_break.h5
+$(BUILD)/experiments/scenes/embedded.o: experiments/scenes/data/splash.h5
 
 $(SSFR): $(BUILD)/experiments/main.o $(APP) $(METRICS) $(STATIC)
 	@echo "LD   $@"

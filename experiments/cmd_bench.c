@@ -18,7 +18,7 @@ typedef struct bench_options {
 
 #define ROW(...) SSFR_OPTION(bench_options, __VA_ARGS__)
 static const ssfr_option rows[] = {
-    ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default double_dam_break)", 0, 0),
+    ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default splash)", 0, 0),
     ROW(output, "output", 'o', TEXT, "FILE.csv", "write the table as CSV too, with FILE.meta.json beside it", 0, 0),
     ROW(quick, "quick", 0, FLAG, NULL, "3 runs and 0.2 s instead of 10 and 1 s", 0, 0),
     ROW(max_time, "max-time", 0, NUMBER, "S", "cap the timed frames, s; one is always timed", 1e-3, 1e6),
@@ -224,7 +224,7 @@ end:
 int ssfr_cmd_bench(int argc, char **argv)
 {
     ssfr_result result = SSFR_OK;
-    bench_options options = {.scene = "double_dam_break"};
+    bench_options options = {.scene = "splash"};
     ssfr_setup_options setup_options;
     ssfr_stage_options stage_options;
     ssfr_command_line line;

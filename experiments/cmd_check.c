@@ -20,7 +20,7 @@ typedef struct check_options {
 #define ROW(...) SSFR_OPTION(check_options, __VA_ARGS__)
 static const ssfr_option rows[] = {
     ROW(scenes, "scene", 0, LIST, "SCENE",
-        "compare on this scene; can be repeated (default: sphere, plane, block, double_dam_break)", 0, 0),
+        "compare on this scene; can be repeated (default: sphere, plane, block, splash)", 0, 0),
     ROW(settings, "set", 's', LIST, "KEY=VALUE",
         "a parameter, as pass.param, or param when a PASS is named; can be repeated", 0, 0),
     ROW(corners, "corners", 0, FLAG, NULL,
@@ -30,7 +30,7 @@ static const ssfr_option rows[] = {
     SSFR_OPTION_END,
 };
 
-static const char *const default_scenes[] = {"sphere", "plane", "block", "double_dam_break"};
+static const char *const default_scenes[] = {"sphere", "plane", "block", "splash"};
 
 enum { MAX_SETTINGS = SSFR_MAX_LIST + 2, CORNER_SIZE = 256 };
 

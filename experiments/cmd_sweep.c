@@ -17,7 +17,7 @@ static const ssfr_option rows[] = {
         "KEY=A,B,C, KEY=LO:HI:STEP or 'KEY=LO:HI:N log'; a parameter, scene, size or backend; the last given runs "
         "fastest",
         0, 0),
-    ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default double_dam_break)", 0, 0),
+    ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default splash)", 0, 0),
     ROW(pipeline, "pipeline", 'p', TEXT, "NAME", "what to render with (default vanderlaan2009)", 0, 0),
     ROW(backend, "backend", 0, TEXT, "gl,cpu", "OpenGL, the double-precision twins on the CPU, or both (default gl)", 0,
         0),

@@ -4,7 +4,7 @@
 set -e
 ssfr=${BUILD:-build}/ssfr
 out=results/demo
-scene=double_dam_break
+scene=splash
 mkdir -p $out
 
 if $ssfr info --json -q 2>/dev/null | grep -q '"renderer": null'; then

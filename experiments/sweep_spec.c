@@ -255,7 +255,7 @@ ssfr_result ssfr_sweep_spec_reference_text(ssfr_sweep_spec *spec, const char *wh
 
 ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec)
 {
-    static const char *const axes[][2] = {{"scene", "double_dam_break"}, {"size", "1280x720"}, {"backend", "gl"}};
+    static const char *const axes[][2] = {{"scene", "splash"}, {"size", "1280x720"}, {"backend", "gl"}};
     ssfr_result result = SSFR_OK;
     for (size_t i = 0; i < SSFR_COUNT(axes) && result == SSFR_OK; i++)
         if (!ssfr_sweep_spec_axis(spec, axes[i][0]))

@@ -3,7 +3,7 @@
  *
  *      title: what the sweep asks                      # all keys but vary may be missing
  *      pipeline: vanderlaan2009
- *      scene: double_dam_break                         # one value, or a list: then it is an axis
+ *      scene: splash                                   # one value, or a list: then it is an axis
  *      size: 640x360
  *      backend: [gl, cpu]
  *      set: {sphere_depth.splat: quad}                 # settings of every run

@@ -33,7 +33,7 @@ that 'the version is a version' grep -Eq '^ssfr [0-9]+\.[0-9]+\.[0-9]+$' out
 refuses 'an unknown command' 'unknown command rendr' rendr
 refuses 'a missing scene' 'too few arguments: usage: ssfr render SCENE' render -o a.png
 refuses 'an argument too many' 'one argument too many: plane' render block plane -o a.png
-refuses 'an unknown scene' 'blok: no such file, and not a built-in scene (double_dam_break' render blok -o a.png
+refuses 'an unknown scene' 'blok: no such file, and not a built-in scene (splash' render blok -o a.png
 refuses 'an unknown pipeline' 'vanderlaan: no such pipeline; there are vanderlaan2009' \
     render block -o a.png -p vanderlaan
 refuses 'an unknown pass' 'blur: no such pass; there are' passes blur
@@ -128,7 +128,7 @@ that 'scene info knows the radius' grep -q "^radius	m	0.2385$" out
 accepts 'what is in a scene' scene info block
 that 'the block has 20^3 particles' grep -q "^particles	1	8000$" out
 accepts 'the list of scenes' scene list
-that 'the list names the dam break' grep -q '^double_dam_break' out
+that 'the list names the splash' grep -q '^splash' out
 refuses 'scene without a word that it knows' "expected 'list', or 'info SCENE'" scene show
 
 # ---- comparing ----

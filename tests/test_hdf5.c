@@ -467,7 +467,7 @@ static void threads_may_load_and_save_at_once(void **state)
     ssfr_particles_destroy(&particles);
 }
 
-static const char shipped[] = "experiments/scenes/data/double_dam_break.h5";
+static const char shipped[] = "experiments/scenes/data/splash.h5";
 
 static void the_shipped_frame_is_what_its_readme_says(void **state)
 {

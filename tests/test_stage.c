@@ -191,11 +191,11 @@ static void the_far_block_is_the_block_moved(void **state)
     ssfr_stage_destroy(&near), ssfr_stage_destroy(&far);
 }
 
-static void the_dam_break_stands_on_its_floor(void **state)
+static void the_splash_stands_on_its_floor(void **state)
 {
     (void)state;
     const ssfr_stage_options options = defaults();
-    ssfr_stage *stage = make("double_dam_break", &options);
+    ssfr_stage *stage = make("splash", &options);
     double lo[3], hi[3];
     ssfr_stage_bounds(stage, lo, hi);
     assert_true(stage->particles->n > 1000);
@@ -253,7 +253,7 @@ static void a_name_that_is_nothing_is_refused_with_the_names_there_are(void **st
     const ssfr_stage_options options = defaults();
     ssfr_stage *stage = NULL;
     assert_fails(SSFR_ERR_UNKNOWN, ssfr_stage_create(&stage, "dam_braek", &options),
-                 "dam_braek: no such file, and not a built-in scene (double_dam_break, sphere, plane, block, "
+                 "dam_braek: no such file, and not a built-in scene (splash, sphere, plane, block, "
                  "far, empty)");
     assert_null(stage);
 }
@@ -270,7 +270,7 @@ int main(void)
         cmocka_unit_test(an_eye_at_its_target_is_refused),
         cmocka_unit_test(the_block_is_the_same_for_the_same_seed_only),
         cmocka_unit_test(the_far_block_is_the_block_moved),
-        cmocka_unit_test(the_dam_break_stands_on_its_floor),
+        cmocka_unit_test(the_splash_stands_on_its_floor),
         cmocka_unit_test(an_empty_scene_has_a_default_view),
         cmocka_unit_test(a_given_radius_replaces_the_scenes_own),
         cmocka_unit_test(nonfinite_particles_are_refused_or_dropped),

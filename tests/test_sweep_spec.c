@@ -190,7 +190,7 @@ static void a_sweep_is_completed_by_what_it_lacks(void **state)
     assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
     assert_int_equal(spec->n_axes, 3);
     assert_string_equal(spec->axes[0].key, "size");
-    assert_string_equal(spec->axes[1].values[0], "double_dam_break");
+    assert_string_equal(spec->axes[1].values[0], "splash");
     assert_string_equal(spec->axes[2].key, "backend");
     assert_string_equal(spec->axes[2].values[0], "gl");
     assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
@@ -215,7 +215,7 @@ static void a_reference_is_there_once_it_has_a_setting(void **state)
 static const char whole[] = "# a comment\n"
                             "title: What a step costs\n"
                             "pipeline: vanderlaan2009\n"
-                            "scene: double_dam_break\n"
+                            "scene: splash\n"
                             "size: [320x180, 640x360]\n"
                             "set: {floor.tile: 0.5}\n"
                             "vary:\n"

@@ -5,7 +5,7 @@
 #include "graph/twins.h"
 #include "tests/gl_host.h"
 
-static const char *const scenes[] = {"sphere", "plane", "block", "far", "empty", "double_dam_break"};
+static const char *const scenes[] = {"sphere", "plane", "block", "far", "empty", "splash"};
 
 enum { W = 64, H = 48, CORNER_SIZE = 256 };
 

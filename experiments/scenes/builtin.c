@@ -76,10 +76,10 @@ static ssfr_result make_far(ssfr_particles **out, uint64_t seed)
     return make_block_at(out, seed, far_away);
 }
 
-static ssfr_result make_double_dam_break(ssfr_particles **out, uint64_t seed)
+static ssfr_result make_splash(ssfr_particles **out, uint64_t seed)
 {
     (void)seed;
-    return ssfr_embedded_load(out, "double_dam_break.h5");
+    return ssfr_embedded_load(out, "splash.h5");
 }
 
 /* What stood around the water: the tank's far wall, and a wall where the frame was cut. */
@@ -91,8 +91,8 @@ static const ssfr_solid tank[] = {
 };
 
 static const ssfr_builtin builtins[] = {
-    {.name = "double_dam_break", .help = "one frame of a simulated double dam break, cut to a box",
-     .make = make_double_dam_break, .from = {0.75, 0.42, 1}, .top = 1.6, .floor = 0,
+    {.name = "splash", .help = "one frame of a simulated double dam break, cut to a box",
+     .make = make_splash, .from = {0.75, 0.42, 1}, .top = 1.6, .floor = 0,
      .n_solids = SSFR_COUNT(tank), .solids = tank},
     {.name = "sphere", .help = "one particle of radius 0.5 m", .make = make_sphere, .from = {0, 0, 1}, .floor = NAN},
     {.name = "plane", .help = "a flat upright grid of 40 x 40 overlapping particles", .make = make_plane,

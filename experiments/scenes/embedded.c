@@ -7,15 +7,15 @@
 
 /* The assembler reads the file, relative to the folder that make runs in. */
 __asm__(".pushsection .rodata\n"
-        "double_dam_break_begin: .incbin \"experiments/scenes/data/double_dam_break.h5\"\n"
-        "double_dam_break_end:\n"
+        "splash_begin: .incbin \"experiments/scenes/data/splash.h5\"\n"
+        "splash_end:\n"
         ".popsection\n");
-extern const char double_dam_break_begin[], double_dam_break_end[];
+extern const char splash_begin[], splash_end[];
 
 static const struct {
     const char *name, *begin, *end;
 } files[] = {
-    {"double_dam_break.h5", double_dam_break_begin, double_dam_break_end},
+    {"splash.h5", splash_begin, splash_end},
 };
 
 static ssfr_result write_bytes(const char *path, const char *begin, const char *end)
