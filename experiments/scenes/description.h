@@ -98,11 +98,15 @@ typedef struct ssfr_description {
     char *background;             /* path of an EXR with R,G,B and Z, as render --background; NULL */
 } ssfr_description;
 
+/* Loads a mesh, as ssfr_mesh_load does from a file. */
+typedef ssfr_result ssfr_mesh_loader(ssfr_mesh **out, const char *path);
+
 /* Reads and checks a scene file; every error names file, line and column. Paths in it are relative to its folder. */
 SSFR_MUST ssfr_result ssfr_description_load(ssfr_description **out, const char *path, ssfr_scale scale);
-/* The same from text, as if it were a file of that name; for the scenes inside the binary. */
+/* The same from text, as if it were a file of that name; for the scenes inside the binary. load_mesh gets the paths of
+ * meshes with the folder of `name` before them: "akinci2013/ship.obj" for ship.obj of "akinci2013/wake". */
 SSFR_MUST ssfr_result ssfr_description_parse(ssfr_description **out, const char *name, const char *text,
-                                             ssfr_scale scale);
+                                             ssfr_scale scale, ssfr_mesh_loader *load_mesh);
 void ssfr_description_destroy(ssfr_description **description);
 
 /* The pools' particles at the start, as the solver takes them: a lattice as wide as particles at rest. To free(). */

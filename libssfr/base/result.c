@@ -16,6 +16,7 @@ static void print_to_stderr(void *user, ssfr_level level, const char *where, con
 
 static ssfr_log_fn *log_fn = print_to_stderr;
 static void *log_user;
+static const char *log_about;
 
 const char *ssfr_result_text(ssfr_result code)
 {
@@ -38,10 +39,16 @@ void ssfr_log_to(ssfr_log_fn *fn, void *user)
     log_user = user;
 }
 
+void ssfr_log_about(const char *what)
+{
+    log_about = what;
+}
+
 static void log_va(ssfr_level level, const char *where, const char *format, va_list args)
 {
     char text[1024];
-    vsnprintf(text, sizeof text, format, args);
+    const int used = log_about ? snprintf(text, sizeof text, "%.256s: ", log_about) : 0;
+    vsnprintf(text + used, sizeof text - (size_t)used, format, args);
     /* A value from outside may hold line ends: the log keeps to one line. */
     for (char *at = text; *at; at++)
         if (*at == '\n' || *at == '\r') *at = ' ';
