@@ -30,8 +30,8 @@ __attribute__((format(printf, 3, 4))) ssfr_result ssfr_fail_at(ssfr_result code,
                                                                ...);
 __attribute__((format(printf, 3, 4))) void ssfr_log_at(ssfr_level level, const char *where, const char *format, ...);
 
-/* Until NULL is given, each line of the log begins with `what`: for work whose parts do not know what they are part of. The
- * text must stay. */
+/* Until NULL is given, each line of the log begins with `what`: for work whose parts do not know what they are part of.
+ * The text must stay. */
 void ssfr_log_about(const char *what);
 
 /* Zeroed memory for n items of `size` bytes; never returns NULL for n = 0. Logs when there is none. */
