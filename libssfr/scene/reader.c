@@ -220,9 +220,10 @@ typedef struct format {
     const char *ending;
     ssfr_reader *read;
     ssfr_writer *write;
+    unsigned holds;
 } format;
 
-#define X(ending, reader, writer, help) {ending, reader, writer},
+#define X(ending, reader, writer, holds, help) {ending, reader, writer, holds},
 static const format formats[] = {
 #include "scene/formats.def"
 };
@@ -230,7 +231,7 @@ static const format formats[] = {
 
 const char *ssfr_particle_formats(void)
 {
-#define X(ending, reader, writer, help) ending " (" help ")\n"
+#define X(ending, reader, writer, holds, help) ending " (" help ")\n"
     return
 #include "scene/formats.def"
         ;
@@ -239,7 +240,7 @@ const char *ssfr_particle_formats(void)
 
 static ssfr_result find_format(const char *path, const format **out)
 {
-#define X(ending, reader, writer, help) " " ending
+#define X(ending, reader, writer, holds, help) " " ending
     static const char endings[] =
 #include "scene/formats.def"
         ;

@@ -50,7 +50,15 @@ typedef struct ssfr_reading {
 typedef ssfr_result ssfr_reader(ssfr_reading *reading);
 typedef ssfr_result ssfr_writer(const ssfr_particles *particles, const char *path);
 
-#define X(ending, reader, writer, help) ssfr_reader reader;
+/* What written files hold beside positions as floats. */
+enum {
+    SSFR_HOLDS_DOUBLES = 1, /* positions that floats would change as doubles */
+    SSFR_HOLDS_RADIUS = 2,
+    SSFR_HOLDS_ARRAYS = 4, /* all of SSFR_ATTRIBUTES */
+    SSFR_HOLDS_ALL = SSFR_HOLDS_DOUBLES | SSFR_HOLDS_RADIUS | SSFR_HOLDS_ARRAYS,
+};
+
+#define X(ending, reader, writer, holds, help) ssfr_reader reader;
 #include "scene/formats.def"
 #undef X
 ssfr_writer ssfr_hdf5_write;
