@@ -107,7 +107,15 @@ $(BUILD)/experiments/meta.o: $(BUILD)/commit
 $(BUILD)/experiments/meta.o: CFLAGS_ALL += -DSSFR_COMMIT='"$(COMMIT)"'
 FORCE:
 
-$(BUILD)/experiments/scenes/embedded.o: experiments/scenes/data/splash.h5
+# Every scene file, mesh and particle file becomes part of the binary. The list is made anew when one comes or goes.
+SCENE_FILES := $(sort $(wildcard $(foreach folder,experiments/scenes experiments/scenes/*,\
+                 $(foreach ending,yaml obj h5,$(folder)/*.$(ending)))))
+$(BUILD)/scene_files.def: FORCE
+	@mkdir -p $(@D); n=0; for f in $(SCENE_FILES); do \
+	  echo "X($$n, \"$${f#experiments/scenes/}\", \"$$f\")"; n=$$((n + 1)); done > $@.new; \
+	  cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+$(BUILD)/experiments/scenes/embedded.o: $(BUILD)/scene_files.def $(SCENE_FILES)
+$(BUILD)/experiments/scenes/embedded.o: CFLAGS_ALL += -I$(BUILD)
 
 $(SSFR): $(BUILD)/experiments/main.o $(APP) $(METRICS) $(STATIC)
 	@echo "LD   $@"

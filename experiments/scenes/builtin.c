@@ -79,7 +79,7 @@ static ssfr_result make_far(ssfr_particles **out, uint64_t seed)
 static ssfr_result make_splash(ssfr_particles **out, uint64_t seed)
 {
     (void)seed;
-    return ssfr_embedded_load(out, "splash.h5");
+    return ssfr_embedded_particles(out, "data/splash.h5");
 }
 
 /* What stood around the water: the tank's far wall, and a wall where the frame was cut. */
