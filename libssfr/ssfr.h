@@ -120,6 +120,9 @@ typedef struct ssfr_packet {
     float half[3];    /* m, half extents of the box around the particle centres */
 } ssfr_packet;
 
+/* Of diffuse particles' kind, as data of SPlisHSPlasH have it. */
+typedef enum ssfr_kind { SSFR_SPRAY, SSFR_FOAM, SSFR_BUBBLE } ssfr_kind;
+
 /* Per-particle arrays beside position: name, C type, values a particle, unit. One line is one array everywhere. */
 #define SSFR_ATTRIBUTES(X)        \
     X(velocity, float, 3, "m/s")  \
