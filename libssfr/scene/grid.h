@@ -23,12 +23,17 @@ void ssfr_grid_destroy(ssfr_grid **grid);
 
 /* Sorts n points (points[3 n], m, finite) into cells of edge `cell` (m, positive). Points of a cell keep their order;
  * the result is the same for any number of threads. The points need not stay. Fails with SSFR_ERR_VALUE where a point
- * is not finite or stands more than 2^20 cells from the origin, naming it. */
+ * is not finite or stands 2^20 cells or more from the origin, naming it; the grid is then empty. */
 SSFR_MUST ssfr_result ssfr_grid_build(ssfr_grid *grid, size_t n, const float *points, double cell);
 
 /* The points' indices, cell by cell; n of them. */
 const uint32_t *ssfr_grid_order(const ssfr_grid *grid);
 double ssfr_grid_cell(const ssfr_grid *grid); /* m */
+size_t ssfr_grid_bytes(const ssfr_grid *grid); /* memory held */
+
+/* The cells that hold points, in their order, and the points of one. */
+size_t ssfr_grid_n_cells(const ssfr_grid *grid);
+ssfr_grid_range ssfr_grid_cell_at(const ssfr_grid *grid, size_t cell);
 
 /* Ranges, each not empty, that hold every point within one cell's edge of `at`; returns how many. Ranges come in an
  * order that depends on the place alone. */
