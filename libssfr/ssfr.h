@@ -184,6 +184,22 @@ SSFR_API double ssfr_particles_spacing(const ssfr_particles *particles);
 /* Bounds of the particle centres, m, world. Empty sets give zeros. */
 SSFR_API void ssfr_particles_bounds(const ssfr_particles *particles, double lo[3], double hi[3]);
 
+/* ---- what is computed from particles -------------------------------------------------------------------------- */
+
+/* The fluid's mass is split among balls of 0.8 of a cube of their diameter, as SPlisHSPlasH does: then particles at
+ * rest are (0.8)^(1/3) diameters apart and a particle has about 40 neighbours in its support. */
+#define SSFR_VOLUME_SHARE 0.8
+#define SSFR_SUPPORT 4.0         /* of the radius: where the kernels end */
+#define SSFR_REST_DENSITY 1000.0 /* kg/m^3 */
+
+enum { SSFR_COMPUTED_DENSITY = 1, SSFR_COMPUTED_NEIGHBOURS = 2 };
+
+/* Computes `density` (cubic spline, the particle itself included: alone it has 254.6 kg/m^3) and `neighbours` (others
+ * nearer than the support) where these arrays are missing; those that are there stay. The bits of what was computed go
+ * to *computed, which may be NULL. The same bits for any number of threads. Fails, and leaves the set as it was, without
+ * a radius. */
+SSFR_API SSFR_MUST ssfr_result ssfr_particles_complete(ssfr_particles *particles, unsigned *computed);
+
 /* ---- scene: what a frame shows --------------------------------------------------------------------------------- */
 
 /* A closed surface of triangles, in metres. */

@@ -6,12 +6,6 @@
 #include "scene/grid.h"
 #include "scene/solid.h"
 
-/* The fluid's mass is split among balls of 0.8 of a cube of their diameter, as SPlisHSPlasH does: then particles at
- * rest are (0.8)^(1/3) diameters apart and a particle has about 40 neighbours in its support. */
-#define SSFR_VOLUME_SHARE 0.8
-#define SSFR_SUPPORT 4.0      /* of the radius: where the kernels end */
-#define SSFR_REST_DENSITY 1000.0 /* kg/m^3 */
-
 static inline double ssfr_particle_mass(double radius) /* kg */
 {
     return SSFR_VOLUME_SHARE * 8 * radius * radius * radius * SSFR_REST_DENSITY;
