@@ -20,18 +20,6 @@ enum { MAX_FILE = 16 << 20 };
 
 /* ---- hashes ------------------------------------------------------------------------------------------------------ */
 
-uint64_t ssfr_hash_bytes(uint64_t hash, const void *data, size_t size)
-{
-    const unsigned char *bytes = data;
-    for (size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * UINT64_C(0x100000001b3);
-    return hash;
-}
-
-uint64_t ssfr_hash_text(uint64_t hash, const char *text)
-{
-    return ssfr_hash_bytes(hash, text, strlen(text) + 1);
-}
-
 uint64_t ssfr_hash_particles(const ssfr_particles *particles)
 {
     uint64_t hash = SSFR_HASH;

@@ -4,13 +4,10 @@
 #define SSFR_META_H
 
 #include "experiments/columns.h"
+#include "experiments/hash.h"
 #include "experiments/record.h"
 #include "experiments/sweep_spec.h"
 
-/* FNV-1a, 64 bit: begin with SSFR_HASH. */
-#define SSFR_HASH UINT64_C(0xcbf29ce484222325)
-uint64_t ssfr_hash_bytes(uint64_t hash, const void *data, size_t size);
-uint64_t ssfr_hash_text(uint64_t hash, const char *text); /* with its closing zero, so that texts do not run together */
 /* Of the world positions, in the order of the packed set. */
 uint64_t ssfr_hash_particles(const ssfr_particles *particles);
 

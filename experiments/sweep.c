@@ -4,13 +4,13 @@
 #include "experiments/capture.h"
 #include "experiments/console.h"
 #include "experiments/csv.h"
+#include "experiments/interrupt.h"
 #include "experiments/meta.h"
 #include "experiments/plot.h"
 #include "experiments/rig.h"
 #include "experiments/setup.h"
 
 #include <omp.h>
-#include <signal.h>
 
 /* Columns behind the parameters that tell one row from another. */
 static const char *const own_keys[] = {"scene", "pipeline", "backend", "width", "height"};
@@ -138,31 +138,13 @@ static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const k
     return write_row(s, k, made == SSFR_OK ? "ok" : error[0] ? error : ssfr_result_text(made), values);
 }
 
-static volatile sig_atomic_t stop;
-
-static void ask_to_stop(int number)
-{
-    (void)number;
-    stop = 1;
-}
-
-/* The first signal lets the row be finished, the second ends the process. */
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = ask_to_stop, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
-    sigemptyset(&action.sa_mask);
-    stop = 0;
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
-
 /* Makes the runs of this shard that the table lacks, or counts them. */
 static ssfr_result visit_runs(sweep *s, bool count_only, size_t *n)
 {
     ssfr_result result = SSFR_OK;
     const size_t total = *n;
     size_t done = 0;
-    for (size_t i = 0; i < s->n_runs && !stop; i++) {
+    for (size_t i = 0; i < s->n_runs && !ssfr_interrupt_came(); i++) {
         size_t index[SSFR_MAX_AXES];
         key k;
         if (!in_shard(s, i)) continue;
@@ -332,8 +314,10 @@ static ssfr_result run(sweep *s)
     SSFR_TRY(begin_table(s));
     SSFR_TRY(visit_runs(s, true, &n));
     const size_t todo = n;
-    catch_signals();
-    SSFR_TRY(visit_runs(s, false, &n));
+    ssfr_interrupt_begin(); /* the row in progress is finished */
+    result = visit_runs(s, false, &n);
+    ssfr_interrupt_end();
+    if (result != SSFR_OK) goto end;
     ssfr_log(SSFR_INFO, "%zu of %zu runs in %.1f s", n, todo, ssfr_clock() - begun);
     if (s->n_failed) ssfr_log(SSFR_WARNING, "%zu of %zu runs failed: their column status says why", s->n_failed, n);
     if (n < todo)
