@@ -5,6 +5,9 @@
 
 #include "base/base.h"
 
+/* Unit vectors at right angles, right-handed, as exact as a caller's floats can make them. */
+bool ssfr_axes_are_orthonormal(const double x[3], const double y[3], const double z[3]);
+
 /* Malformed solids are refused in one line that begins with `what`. */
 SSFR_MUST ssfr_result ssfr_solid_check(const ssfr_solid *solid, const char *what);
 
