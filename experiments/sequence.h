@@ -35,7 +35,7 @@ extern const ssfr_frame_range ssfr_frame_range_all;
 SSFR_MUST ssfr_result ssfr_frame_range_parse(ssfr_frame_range *out, const char *text);
 
 /* The frames of the range, rising, out of the n numbers `there` (rising). Between ends that were both said each must be
- * there; with an open end those that are missing are left out, and steps count from the first that is there. Fails when
+ * there; with an open end those that are missing are left out. Steps count from A, or from the first there. Fails when
  * a frame is missing, naming it, or when none is left; `what` begins the error line. To free(). */
 SSFR_MUST ssfr_result ssfr_frame_range_choose(const ssfr_frame_range *range, const char *what, size_t n,
                                               const long *there, size_t *n_frames, long **frames);
