@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* ply.c: reads PLY particles: the vertex element, properties by name, ascii and binary of both byte orders. */
-#include "scene/reader.h"
+/* ply.c: reads PLY particles (the vertex element, properties by name, ascii and binary of both byte orders) and writes
+ * them as binary little-endian ones. */
+#include "scene/writer.h"
 
 /* Where a property's values go: place 0 is position, place a + 1 is array a. */
 enum { NOWHERE = -1, N_PLACES = SSFR_N_ARRAYS + 1 };
@@ -93,13 +94,15 @@ static ssfr_result read_type(const ply *p, const char *word, ssfr_scalar *out)
     return SSFR_OK;
 }
 
+/* The components of vectors are properties; without an array, of the position. */
+static const struct {
+    const char *property, *array;
+    size_t component;
+} vectors[] = {{"x", NULL, 0},        {"y", NULL, 1},        {"z", NULL, 2},
+               {"vx", "velocity", 0}, {"vy", "velocity", 1}, {"vz", "velocity", 2}};
+
 static void find_place(property *q)
 {
-    static const struct {
-        const char *property, *array;
-        size_t component;
-    } vectors[] = {{"x", NULL, 0},        {"y", NULL, 1},        {"z", NULL, 2},
-                   {"vx", "velocity", 0}, {"vy", "velocity", 1}, {"vz", "velocity", 2}};
     const ssfr_array *array = ssfr_array_find(q->name);
     q->place = array && array->count == 1 ? (int)(array - ssfr_arrays) + 1 : NOWHERE;
     for (size_t i = 0; i < SSFR_COUNT(vectors); i++)
@@ -298,4 +301,39 @@ ssfr_result ssfr_ply_read(ssfr_reading *reading)
 end:
     free(file);
     return result;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+/* Scalars keep the array's name, which other programs show as it is. */
+static void write_properties(ssfr_sink *sink, const ssfr_array *array, const char *type)
+{
+    const char *name = array ? array->name : NULL;
+    if (array && array->count == 1) ssfr_sink_text(sink, "property %s %s\n", type, name);
+    for (size_t i = 0; i < SSFR_COUNT(vectors); i++)
+        if (vectors[i].array == name || (name && vectors[i].array && strcmp(vectors[i].array, name) == 0))
+            ssfr_sink_text(sink, "property %s %s\n", type, vectors[i].property);
+}
+
+/* Doubles where floats would lose digits: far from the origin, or where particles lie very close together. */
+ssfr_result ssfr_ply_write(const ssfr_particles *set, const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_sink sink;
+    const bool as_double = !ssfr_floats_suffice(set);
+    SSFR_TRY(ssfr_sink_begin(&sink, path, SSFR_LITTLE_ENDIAN));
+    ssfr_sink_text(&sink, "ply\nformat binary_little_endian 1.0\ncomment metres, seconds, kilograms\n");
+    if (set->radius > 0) ssfr_sink_text(&sink, "comment particle radius %.17g m\n", set->radius);
+    ssfr_sink_text(&sink, "element vertex %zu\n", set->n);
+    write_properties(&sink, NULL, as_double ? "double" : "float");
+    for (const ssfr_array *a = ssfr_arrays; a < ssfr_arrays + SSFR_N_ARRAYS; a++)
+        if (ssfr_array_get(set, a)) write_properties(&sink, a, a->real ? "float" : "uint");
+    ssfr_sink_text(&sink, "end_header\n");
+    for (size_t i = 0; i < set->n; i++) {
+        ssfr_sink_position(&sink, set, i, as_double);
+        for (const ssfr_array *a = ssfr_arrays; a < ssfr_arrays + SSFR_N_ARRAYS; a++)
+            if (ssfr_array_get(set, a)) ssfr_sink_values(&sink, set, a, i);
+    }
+end:
+    return ssfr_sink_end(&sink, result);
 }

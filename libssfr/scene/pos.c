@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* pos.c: reads .pos particles: uint32 count, float radius, then x y z as floats, all little-endian. */
-#include "scene/reader.h"
+/* pos.c: reads and writes .pos particles: uint32 count, float radius, then x y z as floats, all little-endian. */
+#include "scene/writer.h"
 
 static ssfr_result read_all(ssfr_reading *reading, ssfr_stream *stream)
 {
@@ -28,4 +28,16 @@ ssfr_result ssfr_pos_read(ssfr_reading *reading)
     if (result == SSFR_OK) result = read_all(reading, &stream);
     free(file);
     return result;
+}
+
+ssfr_result ssfr_pos_write(const ssfr_particles *set, const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_sink sink;
+    SSFR_TRY(ssfr_sink_begin(&sink, path, SSFR_LITTLE_ENDIAN));
+    ssfr_sink_bits32(&sink, (uint32_t)set->n);
+    ssfr_sink_float(&sink, (float)set->radius);
+    for (size_t i = 0; i < set->n; i++) ssfr_sink_position(&sink, set, i, false);
+end:
+    return ssfr_sink_end(&sink, result);
 }

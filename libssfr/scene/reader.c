@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* reader.c: loading and saving particles by the name's ending, and what the readers share. */
-#include "scene/reader.h"
+#include "scene/writer.h"
 
 #include <ctype.h>
 #include <strings.h>
@@ -238,6 +238,12 @@ const char *ssfr_particle_formats(void)
 #undef X
 }
 
+static bool ends_in(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), n = strlen(ending);
+    return length >= n && strcasecmp(path + length - n, ending) == 0;
+}
+
 static ssfr_result find_format(const char *path, const format **out)
 {
 #define X(ending, reader, writer, holds, help) " " ending
@@ -245,11 +251,35 @@ static ssfr_result find_format(const char *path, const format **out)
 #include "scene/formats.def"
         ;
 #undef X
-    const char *ending = strrchr(path, '.');
     *out = NULL;
-    for (size_t i = 0; ending && i < SSFR_COUNT(formats); i++)
-        if (strcasecmp(ending, formats[i].ending) == 0) *out = formats + i;
+    for (size_t i = 0; i < SSFR_COUNT(formats); i++)
+        if (ends_in(path, formats[i].ending)) *out = formats + i;
     return *out ? SSFR_OK : ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: the names of particle files end in%s", path, endings);
+}
+
+/* Turns the axis that points up to y: (x, y, z) becomes (x, z, -y) or (-y, x, z). */
+static void turn(char up, double v[3])
+{
+    const double x = v[0], y = v[1], z = v[2];
+    if (up == 'z') v[1] = z, v[2] = -y;
+    if (up == 'x') v[0] = -y, v[1] = x;
+}
+
+/* From the file's unit and axes to metres and y up. */
+static void transform(ssfr_reading *r, const ssfr_load_options *options)
+{
+    const double unit = options->unit > 0 ? options->unit : 1; /* m */
+    r->given.radius *= unit;
+    for (size_t i = 0; i < r->given.n; i++) {
+        double *at = r->positions + 3 * i;
+        float *velocity = r->given.velocity ? r->given.velocity + 3 * i : NULL;
+        for (int k = 0; k < 3; k++) at[k] *= unit;
+        turn(options->up, at);
+        double v[3] = {0};
+        for (int k = 0; velocity && k < 3; k++) v[k] = unit * (double)velocity[k];
+        turn(options->up, v);
+        for (int k = 0; velocity && k < 3; k++) velocity[k] = (float)v[k];
+    }
 }
 
 /* The first value of particle i that is not finite, and the array's name; NULL when all are. */
@@ -306,9 +336,10 @@ static ssfr_result estimate_radius(ssfr_particles *set, const char *path)
 static ssfr_result load(ssfr_particles **out, const format *format, const char *path, ssfr_load_options *options)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_reading reading = {.path = path};
+    ssfr_reading reading = {.path = path, .map = options->map};
     ssfr_particles *set = NULL;
     SSFR_TRY(format->read(&reading));
+    transform(&reading, options);
     if (!(reading.given.radius >= 0 && isfinite(reading.given.radius))) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: the particle radius is %g m", path, reading.given.radius);
         goto end;
@@ -325,6 +356,20 @@ end:
     return result;
 }
 
+static ssfr_result check_options(const ssfr_load_options *options, const char *path)
+{
+    if (!(options->radius >= 0 && isfinite(options->radius)))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: particle radius %g m: expected a finite number above 0", path,
+                         options->radius);
+    if (!(options->unit >= 0 && isfinite(options->unit)))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: unit of length %g m: expected a finite number above 0", path,
+                         options->unit);
+    if (options->up && !strchr("xyz", options->up))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: the axis up is '%c': expected x, y or z", path,
+                         options->up >= ' ' && options->up <= '~' ? options->up : '?');
+    return SSFR_OK;
+}
+
 ssfr_result ssfr_particles_load(ssfr_particles **out, const char *path, ssfr_load_options *options)
 {
     ssfr_result result = SSFR_OK;
@@ -334,23 +379,68 @@ ssfr_result ssfr_particles_load(ssfr_particles **out, const char *path, ssfr_loa
     options->n_dropped = 0;
     *out = NULL;
     ssfr_plain plain = ssfr_plain_begin();
-    if (!(options->radius >= 0 && isfinite(options->radius))) {
-        result = ssfr_fail(SSFR_ERR_VALUE, "%s: particle radius %g m: expected a finite number above 0", path,
-                           options->radius);
+    SSFR_TRY(check_options(options, path));
+    SSFR_TRY(find_format(path, &format));
+    if (options->map && format->read != ssfr_hdf5_read) {
+        result = ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: a map of arrays is for HDF5, not for %s files", path,
+                           format->ending);
         goto end;
     }
-    SSFR_TRY(find_format(path, &format));
     SSFR_TRY(load(out, format, path, options));
 end:
     ssfr_plain_end(&plain);
     return result;
 }
 
+/* For formats of floats: refuses what they cannot hold at all, and says how far particles move by their rounding. */
+static ssfr_result check_floats(const ssfr_particles *set, const char *path)
+{
+    double most = 0; /* m */
+    const float radius = (float)set->radius;
+    if (!isfinite(radius) || (radius > 0) != (set->radius > 0))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: the radius %g m does not fit a float", path, set->radius);
+    for (size_t i = 0; i < set->n; i++) {
+        double at[3];
+        ssfr_particles_position(set, i, at);
+        for (int k = 0; k < 3; k++) {
+            if (!isfinite((float)at[k]))
+                return ssfr_fail(SSFR_ERR_VALUE, "%s: particle %zu (from 0): position %g m does not fit a float", path,
+                                 i, at[k]);
+            most = fmax(most, fabs((double)(float)at[k] - at[k]));
+        }
+    }
+    if (!ssfr_floats_suffice(set))
+        ssfr_log(SSFR_WARNING, "%s: positions are written as floats, which moves particles by up to %.3g m along an axis",
+                 path, most);
+    return SSFR_OK;
+}
+
+/* What the format cannot hold: said where it is left out, refused where a value would become another. */
+static ssfr_result tell_losses(const ssfr_particles *set, const format *format, const char *path)
+{
+    char names[256] = "";
+    size_t used = 0;
+    for (size_t a = 0; a < SSFR_N_ARRAYS && !(format->holds & SSFR_HOLDS_ARRAYS); a++)
+        if (ssfr_array_get(set, ssfr_arrays + a))
+            used += (size_t)snprintf(names + used, sizeof names - used, " %s", ssfr_arrays[a].name);
+    if (!(format->holds & SSFR_HOLDS_RADIUS) && set->radius > 0) snprintf(names + used, sizeof names - used, " radius");
+    if (names[0]) ssfr_log(SSFR_WARNING, "%s: %s files do not hold:%s", path, format->ending, names);
+    return format->holds & SSFR_HOLDS_DOUBLES ? SSFR_OK : check_floats(set, path);
+}
+
 ssfr_result ssfr_particles_save(const ssfr_particles *particles, const char *path)
 {
+    ssfr_result result = SSFR_OK;
     const format *format = NULL;
-    ssfr_result result = find_format(path, &format);
-    if (result == SSFR_OK && !format->write)
+    ssfr_plain plain = ssfr_plain_begin();
+    SSFR_TRY(find_format(path, &format));
+    if (!format->write) {
         result = ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: %s files are read but not written", path, format->ending);
-    return result == SSFR_OK ? format->write(particles, path) : result;
+        goto end;
+    }
+    SSFR_TRY(tell_losses(particles, format, path));
+    SSFR_TRY(format->write(particles, path));
+end:
+    ssfr_plain_end(&plain);
+    return result;
 }

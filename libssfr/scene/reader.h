@@ -43,6 +43,7 @@ static inline void ssfr_array_set(ssfr_particles *particles, const ssfr_array *a
 
 typedef struct ssfr_reading {
     const char *path;     /* set by the caller */
+    const char *map;      /* set by the caller: where an HDF5 file has its arrays; NULL: as ssfr has them */
     double *positions;    /* m, 3 n */
     ssfr_particles given; /* n, radius (m; 0 when the file has none) and the arrays that the file has */
 } ssfr_reading;
@@ -61,7 +62,7 @@ enum {
 #define X(ending, reader, writer, holds, help) ssfr_reader reader;
 #include "scene/formats.def"
 #undef X
-ssfr_writer ssfr_hdf5_write;
+ssfr_writer ssfr_hdf5_write, ssfr_ply_write, ssfr_vtk_write, ssfr_pos_write;
 
 enum { SSFR_READ_MAX_GIB = 8 };
 #define SSFR_READ_MAX ((size_t)SSFR_READ_MAX_GIB << 30) /* bytes, the largest file that is read whole */

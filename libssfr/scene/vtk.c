@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* vtk.c: reads particles from legacy VTK files: the points of POLYDATA or UNSTRUCTURED_GRID and their POINT_DATA. */
-#include "scene/reader.h"
+/* vtk.c: reads particles from legacy VTK files (the points of POLYDATA or UNSTRUCTURED_GRID and their POINT_DATA) and
+ * writes them as binary POLYDATA. */
+#include "scene/writer.h"
 
 #include <ctype.h>
 #include <strings.h>
 
 enum { MAX_WORDS = 5, MAX_LINE = 1024 /* bytes */ };
+
+/* What arrays belong to: those of the points are read, and of the file the radius; others are skipped. */
+typedef enum owner { OF_FILE, OF_CELLS, OF_POINTS } owner;
 
 typedef struct vtk {
     ssfr_reading *reading;
@@ -13,7 +17,7 @@ typedef struct vtk {
     const char *start, *place; /* of the file, of the line */
     size_t version;    /* the major one */
     bool has_points;
-    bool of_points; /* arrays belong to points, else they are skipped */
+    owner owner;
     size_t n;       /* tuples of an array, from POINT_DATA or CELL_DATA */
     char line[MAX_LINE];
     char *words[MAX_WORDS]; /* of the line; missing ones are empty */
@@ -138,15 +142,26 @@ end:
     return result;
 }
 
+/* One number of the file's own, m. */
+static ssfr_result read_radius(vtk *v, const scalar *type)
+{
+    char found[SSFR_FOUND];
+    if (!ssfr_stream_next(&v->stream, type->type, &v->reading->given.radius))
+        return FAIL(v, SSFR_ERR_FORMAT, "expected a radius, %s", ssfr_stream_found(&v->stream, found));
+    return SSFR_OK;
+}
+
 /* Reads the array when it is one of ours, else skips it. */
 static ssfr_result read_array(vtk *v, const char *name, const scalar *type, size_t tuples, size_t components)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_array *array = v->of_points ? ssfr_array_find(name) : NULL;
+    const ssfr_array *array = v->owner == OF_POINTS ? ssfr_array_find(name) : NULL;
     ssfr_particles *given = &v->reading->given;
     const bool fits = array && tuples == given->n && components == array->count && !ssfr_array_get(given, array);
     ssfr_target target;
     size_t n;
+    if (v->owner == OF_FILE && strcasecmp(name, "radius") == 0 && tuples == 1 && components == 1 && !type->bits)
+        return read_radius(v, type);
     if (array && !fits)
         ssfr_log(SSFR_WARNING, "%s: %s skipped: expected one array of %zu x %zu values, found %zu x %zu",
                  v->reading->path, array->name, given->n, array->count, tuples, components);
@@ -239,12 +254,12 @@ end:
 }
 
 /* POINT_DATA n or CELL_DATA n */
-static ssfr_result begin_data(vtk *v, size_t of_points)
+static ssfr_result begin_data(vtk *v, size_t owner_of_arrays)
 {
     ssfr_result result = SSFR_OK;
     SSFR_TRY(read_count(v, v->words[1], &v->n));
-    v->of_points = of_points != 0;
-    if (v->of_points && (!v->has_points || v->n != v->reading->given.n))
+    v->owner = (owner)owner_of_arrays;
+    if (v->owner == OF_POINTS && (!v->has_points || v->n != v->reading->given.n))
         result = FAIL(v, SSFR_ERR_FORMAT, "POINT_DATA of %zu points, but there are %zu", v->n, v->reading->given.n);
 end:
     return result;
@@ -357,8 +372,8 @@ static const struct {
     {"TRIANGLE_STRIPS", skip_cells, 0},
     {"CELLS", skip_cells, 0},
     {"CELL_TYPES", skip_cell_types, 0},
-    {"POINT_DATA", begin_data, 1},
-    {"CELL_DATA", begin_data, 0},
+    {"POINT_DATA", begin_data, OF_POINTS},
+    {"CELL_DATA", begin_data, OF_CELLS},
     {"FIELD", read_field, 0},
     {"SCALARS", read_scalars, 1},
     {"VECTORS", read_tuples, 3},
@@ -426,4 +441,53 @@ ssfr_result ssfr_vtk_read(ssfr_reading *reading)
 end:
     free(file);
     return result;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+static void write_points(ssfr_sink *sink, const ssfr_particles *set)
+{
+    const bool as_double = !ssfr_floats_suffice(set); /* floats would lose digits */
+    ssfr_sink_text(sink, "POINTS %zu %s\n", set->n, as_double ? "double" : "float");
+    for (size_t i = 0; i < set->n; i++) ssfr_sink_position(sink, set, i, as_double);
+    /* A cell for each point: without cells nothing is drawn, and those of single points can be picked one by one. */
+    ssfr_sink_text(sink, "\nVERTICES %zu %zu\n", set->n, 2 * set->n);
+    for (size_t i = 0; i < set->n; i++) {
+        ssfr_sink_bits32(sink, 1);
+        ssfr_sink_bits32(sink, (uint32_t)i);
+    }
+}
+
+static void write_arrays(ssfr_sink *sink, const ssfr_particles *set)
+{
+    size_t n_arrays = 0;
+    for (size_t a = 0; a < SSFR_N_ARRAYS; a++) n_arrays += ssfr_array_get(set, ssfr_arrays + a) != NULL;
+    if (n_arrays == 0) return;
+    ssfr_sink_text(sink, "\nPOINT_DATA %zu\nFIELD FieldData %zu\n", set->n, n_arrays);
+    for (const ssfr_array *a = ssfr_arrays; a < ssfr_arrays + SSFR_N_ARRAYS; a++) {
+        if (!ssfr_array_get(set, a)) continue;
+        ssfr_sink_text(sink, "%s %zu %zu %s\n", a->name, a->count, set->n, a->real ? "float" : "unsigned_int");
+        for (size_t i = 0; i < set->n; i++) ssfr_sink_values(sink, set, a, i);
+        ssfr_sink_text(sink, "\n");
+    }
+}
+
+ssfr_result ssfr_vtk_write(const ssfr_particles *set, const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_sink sink;
+    if (set->n > INT32_MAX)
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: %zu particles: a cell of legacy VTK counts points up to %d", path,
+                         set->n, INT32_MAX);
+    SSFR_TRY(ssfr_sink_begin(&sink, path, SSFR_BIG_ENDIAN));
+    ssfr_sink_text(&sink, "# vtk DataFile Version 3.0\nparticles: metres, seconds, kilograms\nBINARY\nDATASET POLYDATA\n");
+    if (set->radius > 0) {
+        ssfr_sink_text(&sink, "FIELD FieldData 1\nradius 1 1 double\n");
+        ssfr_sink_double(&sink, set->radius);
+        ssfr_sink_text(&sink, "\n");
+    }
+    write_points(&sink, set);
+    write_arrays(&sink, set);
+end:
+    return ssfr_sink_end(&sink, result);
 }
