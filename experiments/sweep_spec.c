@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sweep_spec.c: reading what a sweep runs, with file, line and column in every error. */
 #include "experiments/sweep_spec.h"
+#include "experiments/yaml_tree.h"
 
 #include <errno.h>
-#include <stdarg.h>
-#include <yaml.h>
 
-enum { MAX_FILE = 1 << 20, MAX_RUNS = 10000000 };
+enum { MAX_RUNS = 10000000 };
 static const double hit = 1e-9; /* steps by which hi may be missed and still be included, or 0 and still be 0 */
 
 static ssfr_result copy_text(char **out, const char *text, size_t length)
@@ -336,275 +335,135 @@ void ssfr_sweep_spec_run(const ssfr_sweep_spec *spec, size_t i, size_t index[SSF
 
 /* ---- YAML -------------------------------------------------------------------------------------------------------- */
 
-typedef struct reader {
-    const char *path;
-    yaml_document_t *document;
-    ssfr_sweep_spec *spec;
-} reader;
-
-static void place(const reader *r, const yaml_node_t *node, char text[512])
-{
-    snprintf(text, 512, "%.400s:%zu:%zu", r->path, node->start_mark.line + 1, node->start_mark.column + 1);
-}
-
-/* Fails at a node: "spec.yaml:7:3: backend: expected a text". */
-__attribute__((format(printf, 3, 4))) static ssfr_result fail_at(const reader *r, const yaml_node_t *node,
-                                                                const char *format, ...)
-{
-    char where[512], text[384];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    place(r, node, where);
-    return ssfr_fail(SSFR_ERR_FORMAT, "%s: %s", where, text);
-}
-
-static yaml_node_t *node_at(const reader *r, yaml_node_item_t item)
-{
-    return yaml_document_get_node(r->document, item);
-}
-
-static ssfr_result scalar(const reader *r, const yaml_node_t *node, const char *name, const char **out)
-{
-    *out = NULL;
-    if (node->type != YAML_SCALAR_NODE) return fail_at(r, node, "%s: expected one value", name);
-    *out = (const char *)node->data.scalar.value;
-    if (strlen(*out) != node->data.scalar.length) return fail_at(r, node, "%s: a zero byte in the value", name);
-    return SSFR_OK;
-}
-
-/* Calls visit for each pair of a map; keys are texts and stand once. */
-typedef ssfr_result visit_fn(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value);
-
-static ssfr_result check_once(const reader *r, const yaml_node_t *map, const yaml_node_pair_t *pair, const char *key)
-{
-    for (const yaml_node_pair_t *before = map->data.mapping.pairs.start; before < pair; before++) {
-        const yaml_node_t *node = node_at(r, before->key);
-        if (strcmp((const char *)node->data.scalar.value, key) == 0)
-            return fail_at(r, node_at(r, pair->key), "%s stands twice", key);
-    }
-    return SSFR_OK;
-}
-
-static ssfr_result visit_map(reader *r, const yaml_node_t *map, const char *name, visit_fn *visit)
-{
-    ssfr_result result = SSFR_OK;
-    if (map->type != YAML_MAPPING_NODE) return fail_at(r, map, "%s: expected a map of key: value", name);
-    for (const yaml_node_pair_t *pair = map->data.mapping.pairs.start; pair < map->data.mapping.pairs.top; pair++) {
-        const yaml_node_t *key_node = node_at(r, pair->key);
-        const char *key;
-        SSFR_TRY(scalar(r, key_node, name, &key));
-        SSFR_TRY(check_once(r, map, pair, key));
-        SSFR_TRY(visit(r, key_node, key, node_at(r, pair->value)));
-    }
-end:
-    return result;
-}
-
-static ssfr_result read_sequence(reader *r, const yaml_node_t *node, const char *where, const char *key)
+static ssfr_result read_sequence(ssfr_sweep_spec *spec, const ssfr_yaml_node *node, const char *where)
 {
     ssfr_result result = SSFR_OK;
     ssfr_axis axis = {0};
-    const yaml_node_item_t *start = node->data.sequence.items.start, *top = node->data.sequence.items.top;
-    if (start == top) return fail_at(r, node, "%s: an empty list", key);
-    SSFR_TRY(check_axis_key(where, key));
-    SSFR_TRY(init_axis(&axis, where, key, (size_t)(top - start)));
-    for (const yaml_node_item_t *item = start; item < top; item++) {
-        const char *value;
-        SSFR_TRY(scalar(r, node_at(r, *item), key, &value));
-        SSFR_TRY(add_value(&axis, value, strlen(value)));
+    if (node->n == 0) return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "%s: an empty list", node->name);
+    SSFR_TRY(check_axis_key(where, node->name));
+    SSFR_TRY(init_axis(&axis, where, node->name, node->n));
+    for (size_t i = 0; i < node->n; i++) {
+        SSFR_TRY(ssfr_yaml_expect(node->values[i], SSFR_YAML_TEXT));
+        SSFR_TRY(add_value(&axis, node->values[i]->text, strlen(node->values[i]->text)));
     }
-    SSFR_TRY(put_axis(r->spec, &axis));
+    SSFR_TRY(put_axis(spec, &axis));
 end:
     finish_axis(&axis);
     return result;
 }
 
 /* An axis: a range or a list in one text, or a sequence of values that are taken as they stand. */
-static ssfr_result read_axis(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
+static ssfr_result read_axis(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     ssfr_result result = SSFR_OK;
-    char where[512];
-    const char *text;
-    if (ssfr_sweep_spec_axis(r->spec, key)) return fail_at(r, key_node, "%s is varied twice", key);
-    place(r, key_node, where);
-    if (value->type == YAML_SEQUENCE_NODE) return read_sequence(r, value, where, key);
-    SSFR_TRY(scalar(r, value, key, &text));
-    result = ssfr_sweep_spec_vary(r->spec, where, key, text);
+    ssfr_sweep_spec *spec = to;
+    char where[SSFR_YAML_PLACE];
+    (void)row;
+    ssfr_yaml_place(node->key, where);
+    if (ssfr_sweep_spec_axis(spec, node->name))
+        return ssfr_yaml_fail(node->key, SSFR_ERR_FORMAT, "%s is varied twice", node->name);
+    if (node->kind == SSFR_YAML_LIST) return read_sequence(spec, node, where);
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
+    result = ssfr_sweep_spec_vary(spec, where, node->name, node->text);
 end:
     return result;
 }
 
-static ssfr_result read_setting(reader *r, ssfr_settings *to, const yaml_node_t *key_node, const char *key,
-                                const yaml_node_t *value)
+static ssfr_result read_vary(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     ssfr_result result = SSFR_OK;
-    char where[512];
-    const char *text;
-    place(r, key_node, where);
-    SSFR_TRY(scalar(r, value, key, &text));
-    result = add_setting(to, where, key, text);
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
+    for (size_t i = 0; i < node->n; i++) SSFR_TRY(read_axis(node->values[i], row, to));
 end:
     return result;
 }
 
-static ssfr_result read_one_setting(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
-    return read_setting(r, &r->spec->settings, key_node, key, value);
-}
-
-static ssfr_result read_one_reference(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
-    return read_setting(r, &r->spec->reference, key_node, key, value);
-}
-
-static ssfr_result read_text(reader *r, const yaml_node_t *value, const char *key, char **to)
-{
-    const char *text;
-    const ssfr_result result = scalar(r, value, key, &text);
-    return result == SSFR_OK ? replace_text(to, text) : result;
-}
-
-static ssfr_result read_lines(reader *r, const yaml_node_t *value)
+static ssfr_result read_settings(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_plot_spec *plot = &r->spec->plot;
-    if (value->type != YAML_SEQUENCE_NODE) return fail_at(r, value, "lines: expected a list of columns");
-    for (yaml_node_item_t *item = value->data.sequence.items.start; item < value->data.sequence.items.top; item++) {
+    (void)row;
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
+    for (size_t i = 0; i < node->n; i++) {
+        char where[SSFR_YAML_PLACE];
+        SSFR_TRY(ssfr_yaml_expect(node->values[i], SSFR_YAML_TEXT));
+        SSFR_TRY(add_setting(to, ssfr_yaml_place(node->keys[i], where), node->keys[i]->text, node->values[i]->text));
+    }
+end:
+    return result;
+}
+
+static ssfr_result read_reference(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_sweep_spec *spec = to;
+    spec->has_reference = true;
+    return read_settings(node, row, &spec->reference);
+}
+
+static ssfr_result read_lines(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_plot_spec *plot = to;
+    if (node->kind != SSFR_YAML_LIST)
+        return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "%s: expected a list of columns", node->name);
+    for (size_t i = 0; i < node->n; i++) {
         if (plot->n_lines == SSFR_MAX_LINES)
-            return fail_at(r, node_at(r, *item), "lines: more than %d columns", SSFR_MAX_LINES);
-        SSFR_TRY(read_text(r, node_at(r, *item), "lines", &plot->lines[plot->n_lines]));
+            return ssfr_yaml_fail(node->values[i], SSFR_ERR_FORMAT, "%s: more than %d columns", node->name,
+                                  SSFR_MAX_LINES);
+        SSFR_TRY(ssfr_yaml_read_text(node->values[i], row, &plot->lines[plot->n_lines]));
         plot->n_lines++;
     }
 end:
     return result;
 }
 
-static ssfr_result read_plot_key(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
+static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
-    ssfr_plot_spec *plot = &r->spec->plot;
-    if (strcmp(key, "title") == 0) return read_text(r, value, key, &plot->title);
-    if (strcmp(key, "x") == 0) return read_text(r, value, key, &plot->x);
-    if (strcmp(key, "y") == 0) return read_text(r, value, key, &plot->y);
-    if (strcmp(key, "lines") == 0) return read_lines(r, value);
-    return fail_at(r, key_node, "plot: no key %s: it has title, x, y and lines", key);
-}
-
-static ssfr_result read_plot(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
+    static const ssfr_yaml_row rows[] = {
+        SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_plot_spec, title),
+        SSFR_YAML_ROW("x", ssfr_yaml_read_text, ssfr_plot_spec, x),
+        SSFR_YAML_ROW("y", ssfr_yaml_read_text, ssfr_plot_spec, y),
+        SSFR_YAML_ROW_ALL("lines", read_lines),
+        SSFR_YAML_ROW_END,
+    };
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(visit_map(r, value, key, read_plot_key));
-    if (!r->spec->plot.x || !r->spec->plot.y) result = fail_at(r, key_node, "plot: x and y must be given");
+    const ssfr_plot_spec *plot = to;
+    (void)row;
+    SSFR_TRY(ssfr_yaml_read_map(node, rows, to));
+    if (!plot->x || !plot->y)
+        result = ssfr_yaml_fail(node->key, SSFR_ERR_FORMAT, "%s: x and y must be given", node->name);
 end:
     return result;
 }
 
-static ssfr_result read_settings(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
-    (void)key_node;
-    return visit_map(r, value, key, read_one_setting);
-}
-
-static ssfr_result read_reference(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
-    (void)key_node;
-    r->spec->has_reference = true;
-    return visit_map(r, value, key, read_one_reference);
-}
-
-static ssfr_result read_vary(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
-    (void)key_node;
-    return visit_map(r, value, key, read_axis);
-}
-
-static ssfr_result read_title(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
-    (void)key_node;
-    return read_text(r, value, key, &r->spec->title);
-}
-
-static ssfr_result read_pipeline(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
-    (void)key_node;
-    return read_text(r, value, key, &r->spec->pipeline);
-}
-
-static const struct {
-    const char *name;
-    visit_fn *read;
-} keys[] = {
-    {"title", read_title}, {"pipeline", read_pipeline},   {"scene", read_axis},
-    {"size", read_axis},   {"backend", read_axis},        {"set", read_settings},
-    {"vary", read_vary},   {"reference", read_reference}, {"plot", read_plot},
-};
-
-static ssfr_result read_key(reader *r, const yaml_node_t *key_node, const char *key, const yaml_node_t *value)
-{
-    char list[256] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < SSFR_COUNT(keys); i++) {
-        if (strcmp(keys[i].name, key) == 0) return keys[i].read(r, key_node, key, value);
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", keys[i].name);
-    }
-    return fail_at(r, key_node, "no key %s: a sweep has %s", key, list);
-}
-
-static ssfr_result read_document(reader *r)
-{
-    yaml_node_t *root = yaml_document_get_root_node(r->document);
-    if (!root) return ssfr_fail(SSFR_ERR_FORMAT, "%s:1:1: an empty file, expected a map of key: value", r->path);
-    return visit_map(r, root, "the sweep", read_key);
-}
-
-static ssfr_result fail_yaml(const char *path, const yaml_parser_t *parser)
-{
-    const char *problem = parser->problem ? parser->problem : "malformed YAML";
-    if (parser->error == YAML_MEMORY_ERROR) return ssfr_fail(SSFR_ERR_MEMORY, "%s: no memory for its YAML", path);
-    if (parser->error == YAML_READER_ERROR)
-        return ssfr_fail(SSFR_ERR_FORMAT, "%s: byte %zu: %s", path, parser->problem_offset, problem);
-    return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu:%zu: %s", path, parser->problem_mark.line + 1,
-                     parser->problem_mark.column + 1, problem);
-}
-
-/* A second document would be ignored: it is an error. */
-static ssfr_result check_end(const char *path, yaml_parser_t *parser)
-{
-    yaml_document_t document;
-    if (!yaml_parser_load(parser, &document)) return fail_yaml(path, parser);
-    const yaml_node_t *root = yaml_document_get_root_node(&document);
-    const size_t line = root ? root->start_mark.line + 1 : 0;
-    yaml_document_delete(&document);
-    return root ? ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu:1: a second document, a sweep has one", path, line) : SSFR_OK;
-}
-
 static ssfr_result read_yaml(ssfr_sweep_spec *spec, const char *path, const char *text, size_t size)
 {
-    ssfr_result result = SSFR_OK;
-    yaml_parser_t parser;
-    yaml_document_t document;
-    if (!yaml_parser_initialize(&parser)) return ssfr_fail(SSFR_ERR_MEMORY, "%s: no memory for a YAML parser", path);
-    yaml_parser_set_input_string(&parser, (const unsigned char *)text, size);
-    if (yaml_parser_load(&parser, &document)) {
-        result = read_document(&(reader){.path = path, .document = &document, .spec = spec});
-        yaml_document_delete(&document);
-        if (result == SSFR_OK) result = check_end(path, &parser);
-    } else {
-        result = fail_yaml(path, &parser);
-    }
-    yaml_parser_delete(&parser);
+    static const ssfr_yaml_row rows[] = {
+        SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_sweep_spec, title),
+        SSFR_YAML_ROW("pipeline", ssfr_yaml_read_text, ssfr_sweep_spec, pipeline),
+        SSFR_YAML_ROW_ALL("scene", read_axis),
+        SSFR_YAML_ROW_ALL("size", read_axis),
+        SSFR_YAML_ROW_ALL("backend", read_axis),
+        SSFR_YAML_ROW("set", read_settings, ssfr_sweep_spec, settings),
+        SSFR_YAML_ROW_ALL("vary", read_vary),
+        SSFR_YAML_ROW_ALL("reference", read_reference),
+        SSFR_YAML_ROW("plot", read_plot, ssfr_sweep_spec, plot),
+        SSFR_YAML_ROW_END,
+    };
+    ssfr_yaml *tree;
+    ssfr_result result = ssfr_yaml_parse(&tree, path, "sweep", text, size);
+    if (result == SSFR_OK) result = ssfr_yaml_read_map(ssfr_yaml_root(tree), rows, spec);
+    ssfr_yaml_destroy(&tree);
     return result;
 }
 
 static ssfr_result read_standard_input(char **out, size_t *size)
 {
-    ssfr_result result = ssfr_alloc(out, MAX_FILE + 1, 1, "standard input");
+    ssfr_result result = ssfr_alloc(out, SSFR_YAML_FILE + 1, 1, "standard input");
     if (result != SSFR_OK) return result;
-    *size = fread(*out, 1, MAX_FILE, stdin);
+    *size = fread(*out, 1, SSFR_YAML_FILE, stdin);
     if (ferror(stdin)) result = ssfr_fail(SSFR_ERR_IO, "standard input: %s", strerror(errno));
-    if (*size == MAX_FILE)
-        result = ssfr_fail(SSFR_ERR_VALUE, "standard input: a sweep has less than %d bytes", MAX_FILE);
+    if (*size == SSFR_YAML_FILE)
+        result = ssfr_fail(SSFR_ERR_VALUE, "standard input: a sweep has less than %d bytes", SSFR_YAML_FILE);
     return result;
 }
 
@@ -620,7 +479,7 @@ ssfr_result ssfr_sweep_spec_load(ssfr_sweep_spec **out, const char *path)
     if (from_stdin)
         SSFR_TRY(read_standard_input(&text, &size));
     else
-        SSFR_TRY(ssfr_read_file(path, MAX_FILE, &text, &size));
+        SSFR_TRY(ssfr_read_file(path, SSFR_YAML_FILE, &text, &size));
     SSFR_TRY(read_yaml(spec, from_stdin ? "standard input" : path, text, size));
     *out = spec;
     spec = NULL;
