@@ -255,6 +255,27 @@ static void numbers_have_decimal_points_in_every_locale(void **state)
     assert_string_equal(text, "2.385");
 }
 
+static void structs_are_held_to_their_rows(void **state)
+{
+    (void)state;
+    box b = defaults();
+    assert_int_equal(ssfr_params_check(rows, &b, "box"), SSFR_OK);
+    b.ratio = NAN;
+    assert_fails(SSFR_ERR_VALUE, ssfr_params_check(rows, &b, "box"), "box.ratio=nan: out of range [0, 1]");
+    b = defaults(), b.steps = -4;
+    assert_fails(SSFR_ERR_VALUE, ssfr_params_check(rows, &b, "box"), "box.steps=-4");
+    b = defaults(), b.thin = 2;
+    assert_fails(SSFR_ERR_VALUE, ssfr_params_check(rows, &b, "box"), "box.thin=2: out of range [0, 1]");
+    b = defaults(), b.colour = 3;
+    assert_fails(SSFR_ERR_VALUE, ssfr_params_check(rows, &b, "box"), "box.colour=3: out of range [0, 2]");
+    b = defaults(), b.colour = -1;
+    assert_fails(SSFR_ERR_VALUE, ssfr_params_check(rows, &b, "box"), "box.colour=-1");
+    b = defaults(), b.errata = 7;
+    assert_int_equal(ssfr_params_check(rows, &b, "box"), SSFR_OK);
+    b.errata = 8;
+    assert_fails(SSFR_ERR_VALUE, ssfr_params_check(rows, &b, "box"), "box.errata=8");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -272,6 +293,7 @@ int main(void)
         cmocka_unit_test(reals_come_back_to_the_last_bit),
         cmocka_unit_test(text_is_as_short_as_it_can_be),
         cmocka_unit_test(numbers_are_told_for_every_type),
+        cmocka_unit_test(structs_are_held_to_their_rows),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }

@@ -243,8 +243,8 @@ static void what_cannot_be_computed_is_refused(void **state)
 
 /* ---- a simulator's own ------------------------------------------------------------------------------------------- */
 
-/* Whether no wall, obstacle or surface is within reach: elsewhere the simulator's density holds the walls' share, and it
- * is that of the step's begin, before the last motion. */
+/* Whether no wall, obstacle or surface is within reach: elsewhere the simulator's density holds the walls' share, and
+ * it is that of the step's begin, before the last motion. */
 static bool is_inside(const ssfr_particles *p, size_t i)
 {
     double at[3];

@@ -132,6 +132,28 @@ ssfr_result ssfr_param_set(const ssfr_param *row, void *params, const char *key,
     return result;
 }
 
+/* The largest value that a row allows, as a number; the least of words and flags is 0. */
+static double largest(const ssfr_param *row)
+{
+    switch (row->type) {
+    case SSFR_FLAG: return 1;
+    case SSFR_CHOICE: return ssfr_param_n_words(row) - 1;
+    case SSFR_SET: return ldexp(1, ssfr_param_n_words(row)) - 1;
+    default: return row->max;
+    }
+}
+
+ssfr_result ssfr_params_check(const ssfr_param *rows, const void *params, const char *what)
+{
+    for (const ssfr_param *row = rows; row && row->name; row++) {
+        const double value = ssfr_param_number(row, params), max = largest(row);
+        const double min = row->type == SSFR_REAL || row->type == SSFR_INT ? row->min : 0;
+        if (!(value >= min && value <= max))
+            return ssfr_fail(SSFR_ERR_VALUE, "%s.%s=%g: out of range [%g, %g]", what, row->name, value, min, max);
+    }
+    return SSFR_OK;
+}
+
 /* The shortest decimal that reads back as the same double. */
 static void format_real(double value, char *text, size_t size)
 {
