@@ -7,8 +7,13 @@
 
 #include "experiments/scenes/description.h"
 
-/* The folder of a description's frames: of its name, scale, and a hash of its content, its meshes' content, the seed and
- * SSFR_SOLVER_VERSION. cache NULL: $XDG_CACHE_HOME or ~/.cache. To free(). */
+extern const char *const ssfr_scale_words[]; /* "quick", "full", NULL */
+
+/* Tells the frames of a description from those of any other: a hash of its text, its meshes, the scale, the seed and
+ * SSFR_SOLVER_VERSION. */
+uint64_t ssfr_make_key(const ssfr_description *description, uint64_t seed);
+
+/* The folder of a description's frames: of its name, scale and key. cache NULL: $XDG_CACHE_HOME or ~/.cache. To free(). */
 SSFR_MUST ssfr_result ssfr_make_folder(const ssfr_description *description, const char *cache, uint64_t seed,
                                        char **out);
 
@@ -19,9 +24,9 @@ typedef struct ssfr_make_options {
     bool anew;          /* make all again */
 } ssfr_make_options;
 
-/* Simulates the frames that are not there yet, going on from the state that an earlier call left. After SIGINT or
- * SIGTERM the frame in progress is given up, all before it stay, and it fails. When a value becomes non-finite it fails,
- * naming frame and particle; all frames before stay. */
+/* Simulates the frames that are not there yet, going on from the state that an earlier call left. Waits while another
+ * process makes the same. After SIGINT or SIGTERM the frame in progress is given up, all before it stay, and it fails.
+ * When a value becomes non-finite it fails, naming frame and particle; all frames before stay. */
 SSFR_MUST ssfr_result ssfr_make(const ssfr_description *description, const ssfr_make_options *options);
 
 /* The path of a frame's file in the folder; foam: of the diffuse particles. To free(). */

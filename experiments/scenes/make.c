@@ -1,0 +1,410 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* make.c: frames of a simulation on disk: where they are, which are missing, and how to go on. */
+#include "experiments/scenes/make.h"
+#include "experiments/console.h"
+#include "experiments/hash.h"
+#include "experiments/interrupt.h"
+#include "experiments/json.h"
+#include "experiments/scenes/simulation.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+const char *const ssfr_scale_words[] = {"quick", "full", NULL};
+
+/* ---- where ------------------------------------------------------------------------------------------------------- */
+
+/* 64 bits are enough: only versions of one scene, of one name and scale, must not meet. */
+uint64_t ssfr_make_key(const ssfr_description *description, uint64_t seed)
+{
+    const int32_t numbers[] = {(int32_t)description->scale, SSFR_SOLVER_VERSION};
+    uint64_t hash = ssfr_hash_text(SSFR_HASH, description->text);
+    hash = ssfr_hash_bytes(hash, numbers, sizeof numbers);
+    hash = ssfr_hash_bytes(hash, &seed, sizeof seed);
+    return hash;
+}
+
+/* The folder of all frames, or what the environment lacks. */
+static ssfr_result find_cache(const char *given, char *text, size_t size)
+{
+    const char *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    int length;
+    if (given)
+        length = snprintf(text, size, "%s", given);
+    else if (xdg && xdg[0] == '/') /* a relative one is to be ignored, says the standard */
+        length = snprintf(text, size, "%s/ssfr/scenes", xdg);
+    else if (home && home[0])
+        length = snprintf(text, size, "%s/.cache/ssfr/scenes", home);
+    else
+        return ssfr_fail(SSFR_ERR_IO, "neither XDG_CACHE_HOME nor HOME says where frames may be kept: give --cache DIR");
+    if (length < 1 || (size_t)length >= size)
+        return ssfr_fail(SSFR_ERR_VALUE, "the folder for frames must have from 1 to %zu bytes, has %d", size - 1, length);
+    return SSFR_OK;
+}
+
+/* "bagar2010/waterfall" gives "bagar2010-waterfall", "../my scene.yaml" gives "my_scene". */
+static void name_folder(const char *name, char *text, size_t size)
+{
+    const size_t length = strlen(name);
+    const bool is_file = length > 5 && strcmp(name + length - 5, ".yaml") == 0;
+    const char *from = is_file && strrchr(name, '/') ? strrchr(name, '/') + 1 : name;
+    const size_t n = strlen(from) - (is_file ? 5 : 0);
+    snprintf(text, size, "%.*s", (int)n, from);
+    for (char *at = text; *at; at++) {
+        const bool plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') || (*at >= '0' && *at <= '9');
+        if (*at == '/')
+            *at = '-';
+        else if (!plain && *at != '-')
+            *at = '_';
+    }
+}
+
+ssfr_result ssfr_make_folder(const ssfr_description *description, const char *cache, uint64_t seed, char **out)
+{
+    ssfr_result result = SSFR_OK;
+    char root[1024], name[128];
+    const size_t size = sizeof root + sizeof name + 64;
+    *out = NULL;
+    SSFR_TRY(find_cache(cache, root, sizeof root));
+    SSFR_TRY(ssfr_alloc(out, size, 1, "a path"));
+    name_folder(description->name, name, sizeof name);
+    snprintf(*out, size, "%s/%s-%s-%016" PRIx64, root, name, ssfr_scale_words[description->scale],
+             ssfr_make_key(description, seed));
+end:
+    return result;
+}
+
+ssfr_result ssfr_make_path(const char *folder, int frame, bool foam, char **out)
+{
+    const size_t size = strlen(folder) + 40;
+    const ssfr_result result = ssfr_alloc(out, size, 1, "a path");
+    if (result == SSFR_OK) snprintf(*out, size, "%s/%s_%04d.h5", folder, foam ? "foam" : "fluid", frame);
+    return result;
+}
+
+int ssfr_make_count(const char *folder)
+{
+    int n = 0;
+    for (bool there = true; there; n += there) {
+        char *path = NULL;
+        there = ssfr_make_path(folder, n, false, &path) == SSFR_OK && access(path, R_OK) == 0;
+        free(path);
+    }
+    return n;
+}
+
+/* The folder and those around it. */
+static ssfr_result make_folders(const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    char *part = NULL;
+    SSFR_TRY(ssfr_alloc(&part, strlen(path) + 1, 1, "a path"));
+    for (size_t n = 1; result == SSFR_OK; n++) {
+        if (path[n] == '/' || path[n] == '\0') {
+            memcpy(part, path, n);
+            if (mkdir(part, 0777) != 0 && errno != EEXIST)
+                result = ssfr_fail(SSFR_ERR_IO, "%s: the folder cannot be made: %s", part, strerror(errno));
+        }
+        if (path[n] == '\0') break;
+    }
+end:
+    free(part);
+    return result;
+}
+
+/* ---- the work ---------------------------------------------------------------------------------------------------- */
+
+typedef struct making {
+    const ssfr_description *d;
+    const ssfr_make_options *o;
+    uint64_t key;
+    char *folder;
+    int lock;        /* file descriptor; -1 for none */
+    ssfr_simulation *simulation;
+    int last;        /* the last frame to be made */
+    double seconds;  /* of work until the last frame, by all processes that were at it */
+    double begun;    /* clock when they were counted last */
+    char about[192]; /* what the log's lines are about */
+} making;
+
+/* One process at a time: what the second waits for, it then need not make. */
+static ssfr_result lock(making *m)
+{
+    ssfr_result result = SSFR_OK;
+    const size_t size = strlen(m->folder) + 8;
+    const struct timespec pause = {.tv_nsec = 100000000}; /* ns */
+    char *path = NULL;
+    bool said = false;
+    SSFR_TRY(ssfr_alloc(&path, size, 1, "a path"));
+    snprintf(path, size, "%s/lock", m->folder);
+    m->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    while (m->lock >= 0 && flock(m->lock, LOCK_EX | LOCK_NB) != 0) {
+        if (errno != EWOULDBLOCK && errno != EINTR) {
+            close(m->lock);
+            m->lock = -1;
+        } else if (ssfr_interrupt_came()) {
+            result = ssfr_fail(SSFR_ERR_IO, "interrupted while another process makes %s", m->folder);
+            goto end;
+        } else {
+            if (!said) ssfr_log(SSFR_WARNING, "waiting for another process that makes %s", m->folder);
+            said = true;
+            nanosleep(&pause, NULL);
+        }
+    }
+    if (m->lock < 0) result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+end:
+    free(path);
+    return result;
+}
+
+static ssfr_result remove_frames(const making *m)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = ssfr_make_count(m->folder) - 1; i >= 0 && result == SSFR_OK; i--)
+        for (int foam = 0; foam < 2 && result == SSFR_OK; foam++) {
+            char *path = NULL;
+            result = ssfr_make_path(m->folder, i, foam == 1, &path);
+            if (result == SSFR_OK && unlink(path) != 0 && errno != ENOENT)
+                result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+            free(path);
+        }
+    return result;
+}
+
+/* ---- the state --------------------------------------------------------------------------------------------------- */
+
+/* In the file before the simulation's own bytes. */
+typedef struct state_head {
+    char magic[8];
+    uint64_t key;
+    uint64_t size, hash; /* of what follows, bytes */
+    double seconds;
+} state_head;
+
+static const char magic[8] = "ssfrsim";
+
+static ssfr_result state_path(const making *m, char **out)
+{
+    const size_t size = strlen(m->folder) + 16;
+    const ssfr_result result = ssfr_alloc(out, size, 1, "a path");
+    if (result == SSFR_OK) snprintf(*out, size, "%s/state.bin", m->folder);
+    return result;
+}
+
+static ssfr_result write_bytes(const char *path, const state_head *head, const char *bytes)
+{
+    FILE *file = fopen(path, "wb");
+    const bool written = file && fwrite(head, sizeof *head, 1, file) == 1 &&
+                         fwrite(bytes, 1, head->size, file) == head->size;
+    const bool closed = file && fclose(file) == 0;
+    return written && closed ? SSFR_OK : ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+}
+
+static ssfr_result save_state(const making *m)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_aside aside = {0};
+    state_head head = {.key = m->key, .seconds = m->seconds};
+    char *path = NULL, *bytes = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&bytes, &size);
+    if (!memory) return ssfr_fail(SSFR_ERR_MEMORY, "no memory for the state of a simulation");
+    result = ssfr_simulation_write(m->simulation, memory);
+    if (fclose(memory) != 0 && result == SSFR_OK)
+        result = ssfr_fail(SSFR_ERR_MEMORY, "no memory for the state of a simulation");
+    if (result != SSFR_OK) goto end;
+    memcpy(head.magic, magic, sizeof magic);
+    head.size = size;
+    head.hash = ssfr_hash_bytes(SSFR_HASH, bytes, size);
+    SSFR_TRY(state_path(m, &path));
+    SSFR_TRY(ssfr_aside_begin(&aside, path));
+    result = write_bytes(aside.temporary, &head, bytes);
+end:
+    result = ssfr_aside_end(&aside, result);
+    free(path);
+    free(bytes);
+    return result;
+}
+
+static bool is_whole(const making *m, const state_head *head, const char *bytes, size_t size)
+{
+    return memcmp(head->magic, magic, sizeof magic) == 0 && head->key == m->key && head->size == size &&
+           head->hash == ssfr_hash_bytes(SSFR_HASH, bytes, size);
+}
+
+static ssfr_result take_state(making *m, const state_head *head, char *bytes)
+{
+    ssfr_result result = SSFR_OK;
+    FILE *memory = fmemopen(bytes, head->size, "rb");
+    if (!memory) return ssfr_fail(SSFR_ERR_MEMORY, "no memory for the state of a simulation");
+    SSFR_TRY(ssfr_simulation_read(m->simulation, memory));
+    m->seconds = head->seconds;
+end:
+    fclose(memory);
+    return result;
+}
+
+/* Goes on from the state that was left, if one was, it is whole, and the frames before it are still there. Else the
+ * simulation stays at its beginning. */
+static ssfr_result resume(making *m)
+{
+    enum { MAX_GIB = 16 };
+    ssfr_result result = SSFR_OK;
+    char *path = NULL, *text = NULL;
+    size_t size = 0;
+    state_head head;
+    SSFR_TRY(state_path(m, &path));
+    if (access(path, F_OK) != 0) goto end;
+    SSFR_TRY(ssfr_read_file(path, (size_t)MAX_GIB << 30, &text, &size));
+    if (size > sizeof head) memcpy(&head, text, sizeof head);
+    if (size > sizeof head && is_whole(m, &head, text + sizeof head, size - sizeof head))
+        SSFR_TRY(take_state(m, &head, text + sizeof head));
+    else
+        ssfr_log(SSFR_WARNING, "%s: damaged: all frames are made anew", path);
+    if (ssfr_make_count(m->folder) <= ssfr_simulation_frame(m->simulation)) { /* some were removed */
+        ssfr_simulation_destroy(&m->simulation);
+        SSFR_TRY(ssfr_simulation_create(&m->simulation, m->d, m->o->seed));
+        m->seconds = 0;
+    }
+end:
+    free(path);
+    free(text);
+    return result;
+}
+
+/* ---- what stands beside the frames ------------------------------------------------------------------------------- */
+
+static void write_meta(const making *m, FILE *file)
+{
+    const int frame = ssfr_simulation_frame(m->simulation);
+    ssfr_json json;
+    char key[24];
+    snprintf(key, sizeof key, "%016" PRIx64, m->key);
+    ssfr_json_init(&json, file);
+    ssfr_json_object(&json, NULL);
+    ssfr_json_text(&json, "scene", m->d->name);
+    ssfr_json_text(&json, "title", m->d->title);
+    ssfr_json_text(&json, "scale", ssfr_scale_words[m->d->scale]);
+    ssfr_json_text(&json, "key", key);
+    ssfr_json_integer(&json, "seed", (long long)m->o->seed);
+    ssfr_json_text(&json, "ssfr", ssfr_version());
+    ssfr_json_integer(&json, "solver_version", SSFR_SOLVER_VERSION);
+    ssfr_json_number(&json, "radius", m->d->solver.radius);
+    ssfr_json_number(&json, "frame_rate", m->d->frame_rate);
+    ssfr_json_integer(&json, "frames", m->d->n_frames);
+    ssfr_json_integer(&json, "frames_made", frame + 1);
+    ssfr_json_integer(&json, "steps", ssfr_simulation_steps(m->simulation));
+    ssfr_json_number(&json, "seconds", m->seconds);
+    ssfr_json_close(&json);
+}
+
+static ssfr_result save_meta(const making *m)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_aside aside = {0};
+    const size_t size = strlen(m->folder) + 16;
+    char *path = NULL;
+    FILE *file = NULL;
+    SSFR_TRY(ssfr_alloc(&path, size, 1, "a path"));
+    snprintf(path, size, "%s/meta.json", m->folder);
+    SSFR_TRY(ssfr_aside_begin(&aside, path));
+    file = fopen(aside.temporary, "w");
+    if (file) write_meta(m, file);
+    const bool written = file && !ferror(file);
+    const bool closed = file && fclose(file) == 0;
+    if (!written || !closed) result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+end:
+    result = ssfr_aside_end(&aside, result);
+    free(path);
+    return result;
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
+
+static ssfr_result save_particles(const making *m, const ssfr_particles *particles, bool foam)
+{
+    char *path = NULL;
+    ssfr_result result = ssfr_make_path(m->folder, ssfr_simulation_frame(m->simulation), foam, &path);
+    if (result == SSFR_OK) result = ssfr_particles_save(particles, path);
+    free(path);
+    return result;
+}
+
+/* The fluid comes after its foam: where a fluid is, the frame is whole. Without the state the frame would be made
+ * again, with the same bits. */
+static ssfr_result save_frame(making *m)
+{
+    ssfr_result result = SSFR_OK;
+    const double now = ssfr_clock();
+    ssfr_particles *fluid = NULL, *foam = NULL;
+    SSFR_TRY(ssfr_simulation_export(m->simulation, &fluid, &foam));
+    if (foam) SSFR_TRY(save_particles(m, foam, true));
+    SSFR_TRY(save_particles(m, fluid, false));
+    m->seconds += now - m->begun;
+    m->begun = now;
+    SSFR_TRY(save_state(m));
+    SSFR_TRY(save_meta(m));
+end:
+    ssfr_particles_destroy(&fluid);
+    ssfr_particles_destroy(&foam);
+    return result;
+}
+
+static ssfr_result make_frames(making *m)
+{
+    ssfr_result result = SSFR_OK;
+    const int first = ssfr_simulation_frame(m->simulation) + 1;
+    const size_t total = m->last < first ? 0 : (size_t)(m->last - first) + 1;
+    m->begun = ssfr_clock();
+    for (int frame = first; frame <= m->last; frame++) {
+        snprintf(m->about, sizeof m->about, "%.128s, frame %d", m->d->name, frame);
+        ssfr_log_about(m->about);
+        ssfr_console_progress(m->d->name, (size_t)(frame - first), total);
+        SSFR_TRY(ssfr_simulation_advance(m->simulation));
+        SSFR_TRY(save_frame(m));
+    }
+end:
+    ssfr_log_about(NULL);
+    ssfr_console_progress(m->d->name, total, total);
+    return result;
+}
+
+static ssfr_result run(making *m)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(make_folders(m->folder));
+    SSFR_TRY(lock(m));
+    if (m->o->anew) SSFR_TRY(remove_frames(m));
+    if (ssfr_make_count(m->folder) > m->last) goto end;
+    SSFR_TRY(ssfr_simulation_create(&m->simulation, m->d, m->o->seed));
+    SSFR_TRY(resume(m));
+    SSFR_TRY(make_frames(m));
+end:
+    return result;
+}
+
+ssfr_result ssfr_make(const ssfr_description *description, const ssfr_make_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    making m = {.d = description, .o = options, .lock = -1, .last = options->last};
+    m.key = ssfr_make_key(description, options->seed);
+    if (options->last < 0) m.last = description->n_frames - 1;
+    if (m.last >= description->n_frames)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: frame %d: there are frames 0 to %d", description->name, m.last,
+                         description->n_frames - 1);
+    SSFR_TRY(ssfr_make_folder(description, options->cache, options->seed, &m.folder));
+    if (!options->anew && ssfr_make_count(m.folder) > m.last) goto end;
+    ssfr_interrupt_begin();
+    result = run(&m);
+    ssfr_interrupt_end();
+end:
+    ssfr_simulation_destroy(&m.simulation);
+    if (m.lock >= 0) close(m.lock);
+    free(m.folder);
+    return result;
+}
