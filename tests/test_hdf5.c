@@ -15,10 +15,11 @@ enum { N = 700 };
 static ssfr_particles *make_particles(size_t n, double centre, double fine)
 {
     static double positions[3 * N];
-    static float velocity[3 * N], density[N], lifetime[N];
+    static float velocity[3 * N], density[N], lifetime[N], initial_lifetime[N], age[N];
     static uint32_t neighbours[N], id[N], kind[N];
     const ssfr_particles given = {.velocity = velocity, .density = density, .lifetime = lifetime,
-                                  .neighbours = neighbours, .id = id, .kind = kind, .radius = 0.02385};
+                                  .initial_lifetime = initial_lifetime, .age = age, .neighbours = neighbours, .id = id,
+                                  .kind = kind, .radius = 0.02385};
     ssfr_particles *particles = NULL;
     uint64_t seed = 17;
     for (uint32_t i = 0; i < n; i++) {
@@ -28,6 +29,8 @@ static ssfr_particles *make_particles(size_t n, double centre, double fine)
         }
         density[i] = (float)test_random(&seed, 900, 1100);
         lifetime[i] = (float)test_random(&seed, 0, 5);
+        initial_lifetime[i] = (float)test_random(&seed, 5, 6);
+        age[i] = (float)test_random(&seed, 0, 23.85);
         neighbours[i] = i % 47;
         id[i] = 4294967295u - i;
         kind[i] = i % 3;
@@ -277,12 +280,14 @@ static void datasets_of_another_kind_are_refused(void **state)
         const char *says;
     } cases[] = {
         {{"velocity", H5T_IEEE_F32LE, 1, {9}, values, NULL}, "velocity: expected an array of n x 3 values"},
-        {{"velocity", H5T_IEEE_F32LE, 2, {1, 9}, values, NULL}, "velocity: expected an array of n x 3 values"},
+        {{"velocity", H5T_IEEE_F32LE, 2, {1, 9}, values, NULL},
+         "velocity: expected an array of n x 3 values, found 1 x 9"},
         {{"velocity", H5T_IEEE_F32LE, 3, {3, 3, 1}, values, NULL}, "velocity: expected an array of n x 3 values"},
         {{"velocity", H5T_STD_I32LE, 2, {3, 3}, values, NULL}, "velocity: expected values of type float"},
         {{"velocity", H5T_IEEE_F32LE, 2, {2, 3}, values, NULL}, "velocity of 2 particles, but 3 positions"},
         {{"velocity", H5T_IEEE_F32LE, 2, {3, 3}, values, "km/h"}, "velocity: expected units \"m/s\", found \"km/h\""},
-        {{"density", H5T_IEEE_F32LE, 2, {3, 1}, values, NULL}, "density: expected an array of n x 1 values"},
+        {{"density", H5T_IEEE_F32LE, 2, {3, 1}, values, NULL},
+         "density: expected an array of n x 1 values, found 3 x 1"},
         {{"density", H5T_IEEE_F32LE, 1, {3}, values, "more than thirty-two letters long"}, "density: units: expected"},
         {{"id", H5T_STD_I32LE, 1, {3}, values, NULL}, "id: expected values of type uint32"},
         {{"id", H5T_STD_U64LE, 1, {3}, values, NULL}, "id: expected values of type uint32"},
@@ -467,6 +472,159 @@ static void threads_may_load_and_save_at_once(void **state)
     ssfr_particles_destroy(&particles);
 }
 
+/* ---- by a map ---------------------------------------------------------------------------------------------------- */
+
+static ssfr_result load_mapped(ssfr_particles **out, const char *path, const char *map)
+{
+    ssfr_load_options options = {.map = map, .radius = map && strstr(map, "radius") ? 0 : 0.5};
+    return ssfr_particles_load(out, path, &options);
+}
+
+static void a_map_tells_where_a_foreign_file_has_its_arrays(void **state)
+{
+    (void)state;
+    const double whole[] = {7, 6, 5, 4, 3, 2, 1, 0, 9};
+    const dataset datasets[] = {{"Coordinates", H5T_IEEE_F64BE, 2, {3, 3}, values, "kpc"},
+                                {"Velocities", H5T_STD_I16BE, 2, {3, 3}, whole, "furlong"},
+                                {"Density", H5T_STD_U64LE, 2, {3, 1}, whole, NULL},
+                                {"ParticleIDs", H5T_STD_I64LE, 1, {3}, whole, NULL},
+                                {"Type", H5T_IEEE_F32LE, 2, {3, 1}, whole, NULL}};
+    ssfr_particles *p = NULL;
+    const char *path = make_file("PartType0", &radius, SSFR_COUNT(datasets), datasets);
+    assert_int_equal(load_mapped(&p, path, "position=/PartType0/Coordinates,velocity=PartType0/Velocities,"
+                                           "rho=/PartType0/Density,ids=/PartType0/ParticleIDs,KIND=/PartType0/Type,"
+                                           "radius=/PartType0/radius"), SSFR_OK);
+    assert_int_equal(p->n, 3);
+    assert_true(p->radius == radius && p->velocity && p->density && p->id && p->kind && !p->lifetime && !p->neighbours);
+    const size_t at = find_particle(p, 2.385, 4, 5);
+    assert_true(p->velocity[3 * at] == 4 && p->velocity[3 * at + 2] == 2);
+    assert_true(p->density[at] == 6 && p->id[at] == 6 && p->kind[at] == 6);
+    ssfr_particles_destroy(&p);
+    assert_int_equal(load_mapped(&p, path, "position=PartType0/Coordinates"), SSFR_OK);
+    assert_true(p->n == 3 && p->radius == 0.5 && !p->velocity && !p->id);
+    ssfr_particles_destroy(&p);
+}
+
+static void a_mapped_radius_is_a_dataset_or_an_attribute(void **state)
+{
+    (void)state;
+    const dataset position = {"x", H5T_IEEE_F32LE, 2, {3, 3}, values, NULL};
+    const char *path = make_file("fluid", &radius, 1, &position);
+    const double small = 0.125, other = 0.25;
+    const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), space = H5Screate(H5S_SCALAR);
+    const hid_t id = H5Dcreate2(file, "scalar", H5T_STD_I32LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    const dataset one = {"one", H5T_IEEE_F32LE, 1, {1}, &small, NULL};
+    assert_true(H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values + 1) >= 0);
+    put_attribute(file, "h", H5T_NATIVE_DOUBLE, 1, &other);
+    put_attribute(id, "h", H5T_NATIVE_DOUBLE, 1, &small);
+    put_dataset(file, &one);
+    H5Dclose(id);
+    H5Sclose(space);
+    H5Fclose(file);
+    const struct {
+        const char *map;
+        double radius;
+    } cases[] = {{"position=fluid/x,radius=/fluid/radius", radius}, {"position=/fluid/x,radius=fluid/radius", radius},
+                 {"position=fluid/x,radius=/scalar", 1}, {"position=fluid/x,radius=one", small},
+                 {"position=fluid/x,radius=/h", other}, {"position=fluid/x,radius=h", other},
+                 {"position=fluid/x,radius=scalar/h", small}};
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_particles *p = NULL;
+        assert_int_equal(load_mapped(&p, path, cases[i].map), SSFR_OK);
+        assert_true(p->radius == cases[i].radius);
+        ssfr_particles_destroy(&p);
+    }
+}
+
+static void maps_of_another_form_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *map, *says;
+        ssfr_result code;
+    } cases[] = {
+        {"", "map '': expected name=path, found ''", SSFR_ERR_VALUE},
+        {"position", "expected name=path, found 'position'", SSFR_ERR_VALUE},
+        {"position=", "expected name=path, found 'position'", SSFR_ERR_VALUE},
+        {"position=x,", "map 'position=x,': expected name=path, found ''", SSFR_ERR_VALUE},
+        {"position=x,,id=i", "expected name=path, found ''", SSFR_ERR_VALUE},
+        {"=x", "there is no array ''", SSFR_ERR_UNKNOWN},
+        {"position=x,colour=c", "map 'position=x,colour=c': there is no array 'colour'", SSFR_ERR_UNKNOWN},
+        {"position=x,position=y", "a second 'position'", SSFR_ERR_VALUE},
+        {"position=x,id=y,ids=z", "a second 'ids'", SSFR_ERR_VALUE},
+        {"id=i", "map 'id=i': position is missing", SSFR_ERR_VALUE},
+    };
+    const dataset position = {"x", H5T_IEEE_F32LE, 2, {3, 3}, values, NULL};
+    const char *path = make_file("fluid", &radius, 1, &position);
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_particles *p = NULL;
+        assert_fails(cases[i].code, load_mapped(&p, path, cases[i].map), cases[i].says);
+        assert_null(p);
+    }
+}
+
+static void mapped_datasets_that_do_not_fit_are_refused_with_their_shape(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *map, *says;
+    } cases[] = {
+        {"position=f/y", "made.h5: f/y: object 'y' doesn't exist"},
+        {"position=g/x", "made.h5: g/x: "},
+        {"position=f", "made.h5: f: "},
+        {"position=f/flat", "made.h5: f/flat: expected an array of n x 3 values, found 9"},
+        {"position=f/thick", "f/thick: expected an array of n x 3 values, found 3 x 3 x 1"},
+        {"position=f/pairs", "f/pairs: expected an array of n x 3 values, found 4 x 2"},
+        {"position=f/x,density=f/pairs", "f/pairs: expected an array of n x 1 values, found 4 x 2"},
+        {"position=f/x,density=f/flat", "f/flat of 9 particles, but 3 positions"},
+        {"position=f/x,density=f/thick", "f/thick: expected an array of n x 1 values, found 3 x 3 x 1"},
+        {"position=f/x,id=f/halves", "particle 1 (from 0): id is 2.385, expected a whole number"},
+        {"position=f/x,id=f/large", "particle 2 (from 0): id is 4294967296, expected a whole number"},
+        {"position=f/x,id=f/negative", "particle 0 (from 0): id is -1, expected a whole number"},
+        {"position=f/x,radius=f/flat", "made.h5: f/flat: expected one number"},
+        {"position=f/x,radius=f/y", "made.h5: f/y: "},
+        {"position=f/x,radius=y", "made.h5: y: "},
+        {"position=f/x,radius=f", "made.h5: f: "},
+    };
+    static const double halves[] = {0, 2.385, 1}, large[] = {0, 1, 4294967296.0}, negative[] = {-1, 1, 2};
+    const dataset datasets[] = {
+        {"x", H5T_IEEE_F32LE, 2, {3, 3}, values, NULL},       {"flat", H5T_IEEE_F32LE, 1, {9}, values, NULL},
+        {"thick", H5T_IEEE_F32LE, 3, {3, 3, 1}, values, NULL}, {"pairs", H5T_IEEE_F32LE, 2, {4, 2}, values, NULL},
+        {"halves", H5T_IEEE_F64LE, 1, {3}, halves, NULL},      {"large", H5T_STD_U64LE, 1, {3}, large, NULL},
+        {"negative", H5T_STD_I32LE, 1, {3}, negative, NULL},
+    };
+    const char *path = make_file("f", NULL, SSFR_COUNT(datasets), datasets);
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_particles *p = NULL;
+        assert_fails(SSFR_ERR_FORMAT, load_mapped(&p, path, cases[i].map), cases[i].says);
+        assert_null(p);
+    }
+}
+
+static void mapped_values_that_are_no_numbers_are_refused(void **state)
+{
+    (void)state;
+    const char *path = make_file("f", NULL, 0, NULL);
+    const hsize_t dims[2] = {3, 3};
+    const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), type = H5Tcopy(H5T_C_S1);
+    const hid_t space = H5Screate_simple(2, dims, NULL);
+    const hid_t id = H5Dcreate2(file, "f/words", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    ssfr_particles *p = NULL;
+    assert_true(id > 0);
+    H5Dclose(id);
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Fclose(file);
+    assert_fails(SSFR_ERR_FORMAT, load_mapped(&p, path, "position=f/words"),
+                 "made.h5: f/words: expected values of type integer or float");
+    assert_fails(SSFR_ERR_FORMAT, load_mapped(&p, path, "position=f/words,radius=f/words"),
+                 "made.h5: f/words: expected one number");
+    assert_fails(SSFR_ERR_FORMAT, load_mapped(&p, text_file("text.h5", "x y z\n"), "position=f/words"),
+                 "text.h5: no HDF5 file");
+}
+
+/* ---- the shipped frame ------------------------------------------------------------------------------------------- */
+
 static const char shipped[] = "experiments/scenes/data/splash.h5";
 
 static void the_shipped_frame_is_what_its_readme_says(void **state)
@@ -535,6 +693,11 @@ int main(void)
         cmocka_unit_test(what_is_no_file_is_refused),
         cmocka_unit_test(errors_are_not_printed_and_the_hosts_printer_stays),
         cmocka_unit_test(threads_may_load_and_save_at_once),
+        cmocka_unit_test(a_map_tells_where_a_foreign_file_has_its_arrays),
+        cmocka_unit_test(a_mapped_radius_is_a_dataset_or_an_attribute),
+        cmocka_unit_test(maps_of_another_form_are_refused),
+        cmocka_unit_test(mapped_datasets_that_do_not_fit_are_refused_with_their_shape),
+        cmocka_unit_test(mapped_values_that_are_no_numbers_are_refused),
         cmocka_unit_test(the_shipped_frame_is_what_its_readme_says),
         cmocka_unit_test(the_shipped_frame_is_part_of_the_simulators),
     };

@@ -187,9 +187,9 @@ static void the_files_that_are_there_are_found(void **state)
 {
     (void)state;
     static const char *const names[] = {
-        "s_0010.ply",      "s_0002.ply",   "s_0003.ply", "s_12345.ply", "s_012345.ply", "s_2.ply",          "s_007.ply", "s_0005.vtk",
-        "s_0006.ply.part", "a_s_0008.ply", "s_.ply",     "s_-001.ply",  "s_0x12.ply",   "s_1000000000.ply",
-        "s_00000000000000000011.ply",
+        "s_0010.ply",      "s_0002.ply",   "s_0003.ply", "s_12345.ply", "s_012345.ply",
+        "s_2.ply",         "s_007.ply",    "s_0005.vtk", "s_-001.ply",  "s_0x12.ply",
+        "s_0006.ply.part", "a_s_0008.ply", "s_.ply",     "s_1000000000.ply", "s_00000000000000000011.ply",
     };
     size_t n = 0;
     long *frames = NULL;

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* hdf5.c: reads and writes ssfr's own particle files.
+/* hdf5.c: reads and writes ssfr's own particle files, and reads those of others by a map of their arrays.
  *
  *   /particles            attribute radius (m; absent when unknown)
  *   /particles/position   n x 3, float32 where that loses nothing, else float64
  *   /particles/velocity   n x 3, and so on for each line of SSFR_ATTRIBUTES that the set has: float32 or uint32
  *
+ * A map ("position=/PartType0/Coordinates,id=/PartType0/ParticleIDs") says where a file by another program has them: as
+ * numbers of any type. Only what it names is read.
+ *
  * Each dataset has its unit as the attribute units. Chunked, shuffled, deflated; no times are stored, so the same
  * particles give the same bytes. */
-#include "scene/reader.h"
+#include "scene/writer.h"
 
 #include <errno.h>
 #include <hdf5.h>
@@ -74,11 +77,68 @@ static ssfr_result refused(ssfr_result code, const char *path, const char *what)
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
+/* Where in the file the arrays are; NULL where there is none. */
+typedef struct map {
+    char *text; /* the names, when they are not constant */
+    const char *position, *radius, *arrays[SSFR_N_ARRAYS];
+} map;
+
 typedef struct source {
     ssfr_reading *reading;
     size_t size; /* of the file, bytes */
     hid_t group;
+    map map;
 } source;
+
+/* The place of an array's name in the map, NULL when it is none. */
+static const char **find_place(map *m, const char *name)
+{
+    const ssfr_array *array = ssfr_array_find(name);
+    if (strcmp(name, "position") == 0) return &m->position;
+    if (strcmp(name, "radius") == 0) return &m->radius;
+    return array ? m->arrays + (array - ssfr_arrays) : NULL;
+}
+
+/* An entry "name=path"; it is cut in two. */
+static ssfr_result parse_entry(map *m, char *entry, const char *text)
+{
+    char *const path = strchr(entry, '=');
+    if (path) *path = '\0';
+    const char **const place = find_place(m, entry);
+    if (!path || !path[1])
+        return ssfr_fail(SSFR_ERR_VALUE, "map '%s': expected name=path, found '%s'", text, entry);
+    if (!place)
+        return ssfr_fail(SSFR_ERR_UNKNOWN, "map '%s': there is no array '%s'", text, entry);
+    if (*place)
+        return ssfr_fail(SSFR_ERR_VALUE, "map '%s': a second '%s'", text, entry);
+    *place = path + 1;
+    return SSFR_OK;
+}
+
+static ssfr_result parse_map(map *m, const char *text)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_alloc(&m->text, strlen(text) + 1, 1, "a map"));
+    strcpy(m->text, text);
+    for (char *entry = m->text; entry;) {
+        char *const comma = strchr(entry, ',');
+        if (comma) *comma = '\0';
+        SSFR_TRY(parse_entry(m, entry, text));
+        entry = comma ? comma + 1 : NULL;
+    }
+    if (!m->position) result = ssfr_fail(SSFR_ERR_VALUE, "map '%s': position is missing", text);
+end:
+    return result;
+}
+
+/* What the group of ssfr's own layout has. */
+static void map_own(const source *s, map *m)
+{
+    m->position = "position";
+    if (H5Aexists(s->group, "radius") > 0) m->radius = "radius";
+    for (size_t a = 0; a < SSFR_N_ARRAYS; a++)
+        if (H5Lexists(s->group, ssfr_arrays[a].name, H5P_DEFAULT) > 0) m->arrays[a] = ssfr_arrays[a].name;
+}
 
 /* An attribute that says another unit is refused; one that is not there says nothing. */
 static ssfr_result check_units(const source *s, hid_t dataset, const char *name, const char *unit)
@@ -103,13 +163,38 @@ static ssfr_result check_units(const source *s, hid_t dataset, const char *name,
     return result;
 }
 
-/* Whether the type in the file can be read as float or uint32_t without harm. A damaged file may say any size. */
-static bool type_fits(hid_t type, bool real)
+/* Whether the type in the file can be read as float or uint32_t without harm. A damaged file may say any size. Whole
+ * numbers of foreign files are looked at one by one. */
+static bool type_fits(hid_t type, bool real, bool foreign)
 {
     const H5T_class_t class = H5Tget_class(type);
     const size_t size = H5Tget_size(type);
+    if (foreign) return (class == H5T_FLOAT || class == H5T_INTEGER) && size >= 1 && size <= sizeof(double);
     if (real) return class == H5T_FLOAT && size >= 2 && size <= sizeof(double);
     return class == H5T_INTEGER && H5Tget_sign(type) == H5T_SGN_NONE && size >= 1 && size <= SSFR_ARRAY_VALUE;
+}
+
+enum { MAX_RANK = 3, SHAPE = 96 };
+
+/* "7 x 2" for an error line. */
+static const char *shape_text(hid_t space, char text[SHAPE])
+{
+    hsize_t dims[H5S_MAX_RANK] = {0};
+    const int rank = H5Sget_simple_extent_dims(space, dims, NULL);
+    int used = snprintf(text, SHAPE, rank > 0 ? "" : "one value or none");
+    for (int k = 0; k < rank && k < MAX_RANK; k++)
+        used += snprintf(text + used, SHAPE - (size_t)used, k ? " x %llu" : "%llu", (unsigned long long)dims[k]);
+    if (rank > MAX_RANK) snprintf(text + used, SHAPE - (size_t)used, " x ...");
+    return text;
+}
+
+/* n x count, or n where count is 1; foreign files may have n x 1 then. */
+static bool read_shape(hid_t space, size_t count, bool foreign, hsize_t dims[2])
+{
+    const int rank = H5Sget_simple_extent_ndims(space);
+    dims[1] = 1;
+    return (rank == 2 ? count > 1 || foreign : rank == 1 && count == 1) &&
+           H5Sget_simple_extent_dims(space, dims, NULL) == rank && dims[1] == count;
 }
 
 /* HDF5 trusts a file that a deflated chunk fills the room that a chunk has. A chunk larger than the dataset, which a
@@ -132,18 +217,20 @@ static ssfr_result check_dataset(const source *s, hid_t dataset, const char *nam
 {
     ssfr_result result = SSFR_OK;
     hsize_t dims[2] = {0, 1};
+    char shape[SHAPE];
+    const bool foreign = s->reading->map != NULL;
     const char *path = s->reading->path;
     const hid_t space = H5Dget_space(dataset), type = H5Dget_type(dataset);
-    const int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
-    if (type < 0 || !type_fits(type, real)) {
+    if (type < 0 || !type_fits(type, real, foreign)) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected values of type %s", path, name,
-                           real ? "float" : "uint32");
-    } else if (rank != (count > 1 ? 2 : 1) || H5Sget_simple_extent_dims(space, dims, NULL) < 0 || dims[1] != count) {
-        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected an array of n x %zu values", path, name, count);
+                           foreign ? "integer or float" : real ? "float" : "uint32");
+    } else if (space < 0 || !read_shape(space, count, foreign, dims)) {
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected an array of n x %zu values, found %s", path, name, count,
+                           space < 0 ? "none" : shape_text(space, shape));
     } else if (dims[0] > s->size * DEFLATE_MOST / (count * H5Tget_size(type))) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: %llu particles do not fit into a file of %zu bytes", path, name,
                            (unsigned long long)dims[0], s->size);
-    } else if (!chunks_fit(dataset, rank, dims)) {
+    } else if (!chunks_fit(dataset, H5Sget_simple_extent_ndims(space), dims)) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: deflated chunks are larger than the dataset", path, name);
     }
     *n = (size_t)dims[0];
@@ -160,7 +247,7 @@ static ssfr_result open_dataset(const source *s, const char *name, const char *u
     *out = H5Dopen2(s->group, name, H5P_DEFAULT);
     if (*out < 0) return refused(SSFR_ERR_FORMAT, s->reading->path, name);
     SSFR_TRY(check_dataset(s, *out, name, count, real, n));
-    SSFR_TRY(check_units(s, *out, name, unit));
+    if (!s->reading->map) SSFR_TRY(check_units(s, *out, name, unit));
 end:
     return result;
 }
@@ -171,16 +258,33 @@ static ssfr_result read_positions(const source *s)
     ssfr_reading *r = s->reading;
     hid_t dataset = 0;
     size_t n = 0;
-    SSFR_TRY(open_dataset(s, "position", "m", 3, true, &dataset, &n));
+    SSFR_TRY(open_dataset(s, s->map.position, "m", 3, true, &dataset, &n));
     SSFR_TRY(ssfr_reading_begin(r, n));
     if (n > 0 && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, r->positions) < 0)
-        result = refused(SSFR_ERR_FORMAT, r->path, "position");
+        result = refused(SSFR_ERR_FORMAT, r->path, s->map.position);
 end:
     drop(dataset);
     return result;
 }
 
-static ssfr_result read_array(const source *s, const ssfr_array *array)
+/* Numbers of any type into whole ones, each of which must be one. Doubles tell all whole numbers that fit. */
+static ssfr_result read_wholes(const source *s, hid_t dataset, const char *name, const ssfr_target *target)
+{
+    ssfr_result result = SSFR_OK;
+    const size_t n = s->reading->given.n * target->count;
+    double *values = NULL;
+    SSFR_TRY(ssfr_alloc(&values, n, sizeof *values, name));
+    if (n > 0 && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
+        result = refused(SSFR_ERR_FORMAT, s->reading->path, name);
+        goto end;
+    }
+    for (size_t k = 0; k < n; k++) SSFR_TRY(ssfr_target_put(s->reading, target, k, values[k]));
+end:
+    free(values);
+    return result;
+}
+
+static ssfr_result read_array(const source *s, const ssfr_array *array, const char *name)
 {
     ssfr_result result = SSFR_OK;
     ssfr_reading *r = s->reading;
@@ -188,33 +292,71 @@ static ssfr_result read_array(const source *s, const ssfr_array *array)
     hid_t dataset = 0;
     size_t n = 0;
     ssfr_target target;
-    if (H5Lexists(s->group, array->name, H5P_DEFAULT) <= 0) return SSFR_OK;
-    SSFR_TRY(open_dataset(s, array->name, array->unit, array->count, array->real, &dataset, &n));
+    SSFR_TRY(open_dataset(s, name, array->unit, array->count, array->real, &dataset, &n));
     if (n != r->given.n) {
-        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s of %zu particles, but %zu positions", r->path, array->name, n,
-                           r->given.n);
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s of %zu particles, but %zu positions", r->path, name, n, r->given.n);
         goto end;
     }
     SSFR_TRY(ssfr_target_array(r, array, &target));
-    if (n > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, ssfr_array_get(&r->given, array)) < 0)
-        result = refused(SSFR_ERR_FORMAT, r->path, array->name);
+    if (r->map && !array->real)
+        SSFR_TRY(read_wholes(s, dataset, name, &target));
+    else if (n > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, ssfr_array_get(&r->given, array)) < 0)
+        result = refused(SSFR_ERR_FORMAT, r->path, name);
 end:
     drop(dataset);
     return result;
 }
 
+/* "/a/b" of a map is a dataset, or else the attribute b of what "/a" is. */
+static ssfr_result open_radius(const source *s, hid_t *dataset, hid_t *attribute)
+{
+    ssfr_result result = SSFR_OK;
+    const char *path = s->map.radius, *slash = strrchr(path, '/');
+    const size_t length = slash ? (size_t)(slash - path) : 0;
+    char *object = NULL;
+    if (s->reading->map && (*dataset = H5Dopen2(s->group, path, H5P_DEFAULT)) > 0) return SSFR_OK;
+    SSFR_TRY(ssfr_alloc(&object, length + 2, 1, "a name"));
+    snprintf(object, length + 2, "%.*s", length ? (int)length : 1, length ? path : slash ? "/" : ".");
+    *attribute = H5Aopen_by_name(s->group, object, slash ? slash + 1 : path, H5P_DEFAULT, H5P_DEFAULT);
+    if (*attribute < 0) result = refused(SSFR_ERR_FORMAT, s->reading->path, path);
+end:
+    free(object);
+    return result;
+}
+
+/* A number of its own, not deflated together with others. */
+static bool is_one_number(hid_t dataset)
+{
+    const hid_t space = H5Dget_space(dataset), type = H5Dget_type(dataset);
+    const hsize_t one[2] = {1, 1};
+    const int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
+    const bool fits = type > 0 && (rank == 0 || rank == 1) && H5Sget_simple_extent_npoints(space) == 1 &&
+                      type_fits(type, true, true) && (rank == 0 || chunks_fit(dataset, rank, one));
+    drop(type);
+    drop(space);
+    return fits;
+}
+
 static ssfr_result read_radius(const source *s)
 {
     ssfr_result result = SSFR_OK;
-    hid_t attribute = 0, space = 0;
-    if (H5Aexists(s->group, "radius") <= 0) return SSFR_OK;
-    attribute = H5Aopen(s->group, "radius", H5P_DEFAULT);
-    space = attribute < 0 ? -1 : H5Aget_space(attribute);
-    if (space < 0 || H5Sget_simple_extent_npoints(space) != 1 ||
-        H5Aread(attribute, H5T_NATIVE_DOUBLE, &s->reading->given.radius) < 0)
-        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: radius: expected one number", s->reading->path);
+    hid_t dataset = 0, attribute = 0, space = 0;
+    double *radius = &s->reading->given.radius;
+    bool ok = false;
+    SSFR_TRY(open_radius(s, &dataset, &attribute));
+    if (attribute > 0) {
+        space = H5Aget_space(attribute);
+        ok = space > 0 && H5Sget_simple_extent_npoints(space) == 1 &&
+             H5Aread(attribute, H5T_NATIVE_DOUBLE, radius) >= 0;
+    } else {
+        ok = is_one_number(dataset) &&
+             H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, radius) >= 0;
+    }
+    if (!ok) result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected one number", s->reading->path, s->map.radius);
+end:
     drop(space);
     drop(attribute);
+    drop(dataset);
     return result;
 }
 
@@ -237,12 +379,24 @@ static hid_t access_list(void)
     return list;
 }
 
+static ssfr_result read_all(const source *s)
+{
+    ssfr_result result = SSFR_OK;
+    if (s->map.radius) SSFR_TRY(read_radius(s));
+    SSFR_TRY(read_positions(s));
+    for (size_t a = 0; a < SSFR_N_ARRAYS; a++)
+        if (s->map.arrays[a]) SSFR_TRY(read_array(s, ssfr_arrays + a, s->map.arrays[a]));
+end:
+    return result;
+}
+
 ssfr_result ssfr_hdf5_read(ssfr_reading *reading)
 {
     ssfr_result result = SSFR_OK;
     source s = {.reading = reading};
     hid_t list = 0, file = 0;
     const guard g = enter();
+    if (reading->map) SSFR_TRY(parse_map(&s.map, reading->map));
     SSFR_TRY(check_file(reading->path, &s.size));
     list = access_list();
     file = H5Fopen(reading->path, H5F_ACC_RDONLY, list);
@@ -250,15 +404,15 @@ ssfr_result ssfr_hdf5_read(ssfr_reading *reading)
         result = refused(SSFR_ERR_FORMAT, reading->path, "no HDF5 file");
         goto end;
     }
-    s.group = H5Gopen2(file, "particles", H5P_DEFAULT);
+    s.group = H5Gopen2(file, reading->map ? "/" : "particles", H5P_DEFAULT);
     if (s.group < 0) {
         result = refused(SSFR_ERR_FORMAT, reading->path, "no group particles");
         goto end;
     }
-    SSFR_TRY(read_radius(&s));
-    SSFR_TRY(read_positions(&s));
-    for (size_t a = 0; a < SSFR_N_ARRAYS; a++) SSFR_TRY(read_array(&s, ssfr_arrays + a));
+    if (!reading->map) map_own(&s, &s.map);
+    SSFR_TRY(read_all(&s));
 end:
+    free(s.map.text);
     drop(s.group);
     drop(file);
     drop(list);
@@ -326,20 +480,6 @@ static bool write_column(hid_t group, const column *c)
     return ok;
 }
 
-/* Whether world positions rounded to float come back as the same positions in their packets. */
-static bool floats_suffice(const ssfr_particles *set)
-{
-    bool same = true;
-    for (size_t i = 0; i < set->n && same; i++) {
-        double at[3];
-        const ssfr_packet *packet = set->packets + i / SSFR_PACKET;
-        ssfr_particles_position(set, i, at);
-        for (size_t k = 0; k < 3; k++)
-            same = same && (float)((double)(float)at[k] - packet->centre[k]) == set->position[3 * i + k];
-    }
-    return same;
-}
-
 static ssfr_result write_positions(const ssfr_particles *set, hid_t group, const char *path)
 {
     ssfr_result result = SSFR_OK;
@@ -347,7 +487,7 @@ static ssfr_result write_positions(const ssfr_particles *set, hid_t group, const
     column c = {"position", "m", set->n, 3, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, NULL};
     SSFR_TRY(ssfr_alloc(&positions, set->n, 3 * sizeof *positions, "positions"));
     for (size_t i = 0; i < set->n; i++) ssfr_particles_position(set, i, positions + 3 * i);
-    if (floats_suffice(set)) c.type = H5T_IEEE_F32LE;
+    if (ssfr_floats_suffice(set)) c.type = H5T_IEEE_F32LE;
     c.values = positions;
     if (!write_column(group, &c)) result = refused(SSFR_ERR_IO, path, "cannot write position");
 end:
