@@ -189,7 +189,7 @@ static void vertices_without_whole_vectors_are_refused(void **state)
     assert_refused(ascii("element vertex 1\nproperty list int int x\nproperty float y\nproperty float z\n", "0 1 2\n"),
                    SSFR_ERR_FORMAT, "lack x, y or z");
     assert_refused(ascii(ONE "property float vx\n", "1 2 3 4\n"), SSFR_ERR_FORMAT, "lack a component of velocity");
-    assert_refused(ascii(ONE "property float x\n", "1 2 3 4\n"), SSFR_ERR_FORMAT, "two vertex properties for what x");
+    assert_refused(ascii(ONE "property float x\n", "1 2 3 4\n"), SSFR_ERR_FORMAT, "two columns for what x");
     assert_refused(ascii(ONE "property int neighbors\nproperty int neighbours\n", "1 2 3 4 5\n"), SSFR_ERR_FORMAT,
                    "what neighbours says");
 }

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* ply.c: reads PLY particles (the vertex element, properties by name, ascii and binary of both byte orders) and writes
  * them as binary little-endian ones. */
+#include "scene/table.h"
 #include "scene/writer.h"
 
-/* Where a property's values go: place 0 is position, place a + 1 is array a. */
-enum { NOWHERE = -1, N_PLACES = SSFR_N_ARRAYS + 1 };
 enum { MAX_ELEMENTS = 32, MAX_PROPERTIES = 256, MAX_WORDS = 6 };
 
 typedef struct property {
@@ -12,8 +11,7 @@ typedef struct property {
     ssfr_scalar type;
     bool list;
     ssfr_scalar count_type; /* of a list */
-    int place;
-    size_t component;
+    ssfr_column column;
 } property;
 
 typedef struct element {
@@ -24,13 +22,13 @@ typedef struct element {
 
 typedef struct ply {
     ssfr_reading *reading;
+    ssfr_table table;
     ssfr_stream stream;
     int line;
     bool has_format;
     int n_elements, n_properties;
     element elements[MAX_ELEMENTS];
     property properties[MAX_PROPERTIES];
-    ssfr_target targets[N_PLACES];
 } ply;
 
 /* ---- the header -------------------------------------------------------------------------------------------------- */
@@ -94,25 +92,6 @@ static ssfr_result read_type(const ply *p, const char *word, ssfr_scalar *out)
     return SSFR_OK;
 }
 
-/* The components of vectors are properties; without an array, of the position. */
-static const struct {
-    const char *property, *array;
-    size_t component;
-} vectors[] = {{"x", NULL, 0},        {"y", NULL, 1},        {"z", NULL, 2},
-               {"vx", "velocity", 0}, {"vy", "velocity", 1}, {"vz", "velocity", 2}};
-
-static void find_place(property *q)
-{
-    const ssfr_array *array = ssfr_array_find(q->name);
-    q->place = array && array->count == 1 ? (int)(array - ssfr_arrays) + 1 : NOWHERE;
-    for (size_t i = 0; i < SSFR_COUNT(vectors); i++)
-        if (strcmp(vectors[i].property, q->name) == 0) {
-            q->place = vectors[i].array ? (int)(ssfr_array_find(vectors[i].array) - ssfr_arrays) + 1 : 0;
-            q->component = vectors[i].component;
-        }
-    if (q->list) q->place = NOWHERE;
-}
-
 /* "property TYPE NAME" or "property list COUNT_TYPE TYPE NAME". */
 static ssfr_result read_property(ply *p, char *words[])
 {
@@ -130,7 +109,7 @@ static ssfr_result read_property(ply *p, char *words[])
     if (!rest[1][0]) return expected(p, "a property's name", rest[1]);
     if (rest[2][0]) return expected(p, "the line's end", rest[2]);
     q->name = rest[1];
-    find_place(q);
+    q->column = q->list ? (ssfr_column){SSFR_PLACE_NONE, 0} : ssfr_column_find(q->name);
 end:
     return result;
 }
@@ -180,28 +159,13 @@ end:
 
 /* ---- the body ---------------------------------------------------------------------------------------------------- */
 
-/* Checks that the vertex has what it must, makes its arrays and the targets of its properties. */
-static ssfr_result make_targets(ply *p, const element *vertex)
+/* Makes the arrays that the vertex has. */
+static ssfr_result make_table(ply *p, const element *vertex)
 {
     ssfr_result result = SSFR_OK;
-    const char *path = p->reading->path;
-    unsigned components[N_PLACES] = {0};
-    for (int i = vertex->first; i < vertex->first + vertex->n_properties; i++) {
-        const property *q = p->properties + i;
-        if (q->place == NOWHERE) continue;
-        if (components[q->place] >> q->component & 1u)
-            return ssfr_fail(SSFR_ERR_FORMAT, "%s: two vertex properties for what %s says", path, q->name);
-        components[q->place] |= 1u << q->component;
-    }
-    if (components[0] != 7) return ssfr_fail(SSFR_ERR_FORMAT, "%s: the vertices lack x, y or z", path);
-    SSFR_TRY(ssfr_reading_begin(p->reading, vertex->n));
-    p->targets[0] = ssfr_target_positions(p->reading);
-    for (int a = 0; a < SSFR_N_ARRAYS; a++) {
-        const unsigned all = (1u << ssfr_arrays[a].count) - 1;
-        if (components[a + 1] && components[a + 1] != all)
-            return ssfr_fail(SSFR_ERR_FORMAT, "%s: the vertices lack a component of %s", path, ssfr_arrays[a].name);
-        if (components[a + 1]) SSFR_TRY(ssfr_target_array(p->reading, ssfr_arrays + a, p->targets + a + 1));
-    }
+    for (const property *q = p->properties + vertex->first; q < p->properties + vertex->first + vertex->n_properties; q++)
+        SSFR_TRY(ssfr_table_add(&p->table, p->reading->path, q->name, q->column));
+    SSFR_TRY(ssfr_table_begin(&p->table, p->reading->path, vertex->n));
 end:
     return result;
 }
@@ -232,9 +196,7 @@ static ssfr_result read_value(ply *p, const element *e, size_t i, const property
     double value;
     if (!ssfr_stream_next(&p->stream, q->type, &value))
         return fail_body(p, e, i, q->name, ssfr_stream_found(&p->stream, found));
-    if (!store || q->place == NOWHERE) return SSFR_OK;
-    const ssfr_target *target = p->targets + q->place;
-    return ssfr_target_put(p->reading, target, target->count * i + q->component, value);
+    return store ? ssfr_table_put(&p->table, q->column, i, value) : SSFR_OK;
 }
 
 /* All of an element's instances; in ascii each stands on a line of its own. */
@@ -280,8 +242,9 @@ static ssfr_result read_body(ply *p)
     if (vertex == end_of_elements)
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: the header has no vertex element", p->reading->path);
     SSFR_TRY(check_size(p, vertex));
-    SSFR_TRY(make_targets(p, vertex));
+    SSFR_TRY(make_table(p, vertex));
     SSFR_TRY(read_instances(p, vertex, true));
+    ssfr_table_end(&p->table, vertex->n);
     if (p->stream.encoding == SSFR_ASCII) p->stream.at += strspn(p->stream.at, " \t\r\n");
     if (vertex + 1 == end_of_elements && p->stream.at != p->stream.end)
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: %zu bytes follow the last particle", p->reading->path,
@@ -294,7 +257,7 @@ ssfr_result ssfr_ply_read(ssfr_reading *reading)
 {
     ssfr_result result = SSFR_OK;
     char *file = NULL;
-    ply p = {.reading = reading};
+    ply p = {.reading = reading, .table = {.reading = reading}};
     SSFR_TRY(ssfr_stream_open(&p.stream, reading->path, &file));
     SSFR_TRY(read_header(&p));
     SSFR_TRY(read_body(&p));
@@ -305,14 +268,13 @@ end:
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* Scalars keep the array's name, which other programs show as it is. */
-static void write_properties(ssfr_sink *sink, const ssfr_array *array, const char *type)
+/* Scalars keep the array's name, which other programs show as it is; vectors have a property a component, vx vy vz. */
+static void write_properties(ssfr_sink *sink, const ssfr_array *array)
 {
-    const char *name = array ? array->name : NULL;
-    if (array && array->count == 1) ssfr_sink_text(sink, "property %s %s\n", type, name);
-    for (size_t i = 0; i < SSFR_COUNT(vectors); i++)
-        if (vectors[i].array == name || (name && vectors[i].array && strcmp(vectors[i].array, name) == 0))
-            ssfr_sink_text(sink, "property %s %s\n", type, vectors[i].property);
+    const char *type = array->real ? "float" : "uint";
+    if (array->count == 1) ssfr_sink_text(sink, "property %s %s\n", type, array->name);
+    for (size_t k = 0; k < array->count && array->count > 1; k++)
+        ssfr_sink_text(sink, "property %s %c%c\n", type, array->name[0], "xyz"[k]);
 }
 
 /* Doubles where floats would lose digits: far from the origin, or where particles lie very close together. */
@@ -325,9 +287,9 @@ ssfr_result ssfr_ply_write(const ssfr_particles *set, const char *path)
     ssfr_sink_text(&sink, "ply\nformat binary_little_endian 1.0\ncomment metres, seconds, kilograms\n");
     if (set->radius > 0) ssfr_sink_text(&sink, "comment particle radius %.17g m\n", set->radius);
     ssfr_sink_text(&sink, "element vertex %zu\n", set->n);
-    write_properties(&sink, NULL, as_double ? "double" : "float");
+    for (int k = 0; k < 3; k++) ssfr_sink_text(&sink, "property %s %c\n", as_double ? "double" : "float", "xyz"[k]);
     for (const ssfr_array *a = ssfr_arrays; a < ssfr_arrays + SSFR_N_ARRAYS; a++)
-        if (ssfr_array_get(set, a)) write_properties(&sink, a, a->real ? "float" : "uint");
+        if (ssfr_array_get(set, a)) write_properties(&sink, a);
     ssfr_sink_text(&sink, "end_header\n");
     for (size_t i = 0; i < set->n; i++) {
         ssfr_sink_position(&sink, set, i, as_double);

@@ -62,7 +62,7 @@ enum {
 #define X(ending, reader, writer, holds, help) ssfr_reader reader;
 #include "scene/formats.def"
 #undef X
-ssfr_writer ssfr_hdf5_write, ssfr_ply_write, ssfr_vtk_write, ssfr_pos_write;
+ssfr_writer ssfr_hdf5_write, ssfr_ply_write, ssfr_vtk_write, ssfr_pos_write, ssfr_csv_write, ssfr_xyz_write;
 
 enum { SSFR_READ_MAX_GIB = 8 };
 #define SSFR_READ_MAX ((size_t)SSFR_READ_MAX_GIB << 30) /* bytes, the largest file that is read whole */

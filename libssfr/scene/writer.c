@@ -60,12 +60,12 @@ void ssfr_sink_text(ssfr_sink *sink, const char *format, ...)
     if (length > 0) ssfr_sink_bytes(sink, text, (size_t)length < sizeof text ? (size_t)length : sizeof text - 1);
 }
 
-enum { FLOAT_DIGITS = 9, DOUBLE_DIGITS = 17, NUMBER = 32 /* bytes, "-2.2250738585072014e-308" and its zero byte */ };
+enum { FLOAT_DIGITS = 9, DOUBLE_DIGITS = 17 }; /* that tell any two apart */
 
 static void put_number(ssfr_sink *sink, double value, int digits)
 {
-    char *const at = (char *)ssfr_sink_reserve(sink, NUMBER);
-    sink->n -= NUMBER - (size_t)snprintf(at, NUMBER, "%.*g", digits, value);
+    char *const at = (char *)ssfr_sink_reserve(sink, SSFR_NUMBER_TEXT);
+    sink->n -= SSFR_NUMBER_TEXT - (size_t)snprintf(at, SSFR_NUMBER_TEXT, "%.*g", digits, value);
 }
 
 void ssfr_sink_float_text(ssfr_sink *sink, float value)
@@ -76,6 +76,25 @@ void ssfr_sink_float_text(ssfr_sink *sink, float value)
 void ssfr_sink_double_text(ssfr_sink *sink, double value)
 {
     put_number(sink, value, DOUBLE_DIGITS);
+}
+
+void ssfr_sink_whole_text(ssfr_sink *sink, uint32_t value)
+{
+    char text[SSFR_NUMBER_TEXT], *at = text + sizeof text;
+    do
+        *--at = (char)('0' + value % 10);
+    while ((value /= 10) > 0);
+    ssfr_sink_bytes(sink, at, (size_t)(text + sizeof text - at));
+}
+
+void ssfr_sink_position_text(ssfr_sink *sink, const ssfr_particles *particles, size_t i, bool as_double, char separator)
+{
+    double at[3];
+    ssfr_particles_position(particles, i, at);
+    for (int k = 0; k < 3; k++) {
+        if (k > 0) ssfr_sink_bytes(sink, &separator, 1);
+        put_number(sink, as_double ? at[k] : (double)(float)at[k], as_double ? DOUBLE_DIGITS : FLOAT_DIGITS);
+    }
 }
 
 void ssfr_sink_position(ssfr_sink *sink, const ssfr_particles *particles, size_t i, bool as_double)

@@ -27,9 +27,15 @@ void ssfr_sink_flush(ssfr_sink *sink);
 void ssfr_sink_bytes(ssfr_sink *sink, const void *bytes, size_t n);
 __attribute__((format(printf, 2, 3))) void ssfr_sink_text(ssfr_sink *sink, const char *format, ...); /* < 1024 bytes */
 
-/* The text of a number that reads back as the same float or double. */
+enum { SSFR_NUMBER_TEXT = 32 /* bytes: "-2.2250738585072014e-308" with room to spare */ };
+
+/* The text of a number that reads back as the same. */
 void ssfr_sink_float_text(ssfr_sink *sink, float value);
 void ssfr_sink_double_text(ssfr_sink *sink, double value);
+void ssfr_sink_whole_text(ssfr_sink *sink, uint32_t value);
+/* World position of particle i, m, with a separator between coordinates. */
+void ssfr_sink_position_text(ssfr_sink *sink, const ssfr_particles *particles, size_t i, bool as_double,
+                             char separator);
 
 /* World position of particle i, m, as three doubles or floats; values of its array, 4 bytes each. */
 void ssfr_sink_position(ssfr_sink *sink, const ssfr_particles *particles, size_t i, bool as_double);
