@@ -184,7 +184,7 @@ SSFR_API double ssfr_particles_spacing(const ssfr_particles *particles);
 /* Bounds of the particle centres, m, world. Empty sets give zeros. */
 SSFR_API void ssfr_particles_bounds(const ssfr_particles *particles, double lo[3], double hi[3]);
 
-/* ---- what is computed from particles -------------------------------------------------------------------------- */
+/* ---- what is computed from particles ----------------------------------------------------------------------------- */
 
 /* The fluid's mass is split among balls of 0.8 of a cube of their diameter, as SPlisHSPlasH does: then particles at
  * rest are (0.8)^(1/3) diameters apart and a particle has about 40 neighbours in its support. */
@@ -196,9 +196,81 @@ enum { SSFR_COMPUTED_DENSITY = 1, SSFR_COMPUTED_NEIGHBOURS = 2 };
 
 /* Computes `density` (cubic spline, the particle itself included: alone it has 254.6 kg/m^3) and `neighbours` (others
  * nearer than the support) where these arrays are missing; those that are there stay. The bits of what was computed go
- * to *computed, which may be NULL. The same bits for any number of threads. Fails, and leaves the set as it was, without
- * a radius. */
+ * to *computed, which may be NULL. The same bits for any number of threads. Fails without a radius; a call that fails
+ * leaves the set as it was. */
 SSFR_API SSFR_MUST ssfr_result ssfr_particles_complete(ssfr_particles *particles, unsigned *computed);
+
+/* What a particle counts as when it is drawn. */
+typedef enum ssfr_class {
+    SSFR_CLASS_LIQUID, /* what forms a surface */
+    SSFR_CLASS_SPLASH, /* Imai 2016: drawn as a sphere of its own */
+    SSFR_CLASS_FOAM,   /* Neto 2015: spray or foam */
+    SSFR_CLASS_STRAY,  /* Neto 2015: not drawn */
+    SSFR_N_CLASSES
+} ssfr_class;
+
+/* Imai 2016, sec. 4.1: a density below the threshold (kg/m^3; the paper has no number, half the rest density is a
+ * start) is a splash. Fills classes[n], and counts[SSFR_N_CLASSES] unless it is NULL. */
+SSFR_API SSFR_MUST ssfr_result ssfr_classify_by_density(const ssfr_particles *particles, double threshold,
+                                                        unsigned char *classes, size_t *counts);
+/* Neto 2015, eq. 3: up to t_stray neighbours (2 in fig. 6b) are a stray, up to t_foam (10) are foam. */
+SSFR_API SSFR_MUST ssfr_result ssfr_classify_by_neighbours(const ssfr_particles *particles, int t_stray, int t_foam,
+                                                           unsigned char *classes, size_t *counts);
+
+/* Bagar 2010, secs 3.2.1 and 4.2: a particle turns to foam when its Weber number rho v^2 l / sigma reaches a threshold,
+ * and back to water when it falls below. */
+typedef enum ssfr_phase {
+    SSFR_PHASE_WATER,         /* foam value 0 */
+    SSFR_PHASE_WATER_TO_FOAM, /* rising */
+    SSFR_PHASE_FOAM,          /* 1 */
+    SSFR_PHASE_FOAM_TO_WATER, /* falling */
+    SSFR_N_PHASES
+} ssfr_phase;
+
+enum {
+    SSFR_TRANSITION_TIME,  /* foam values rise and fall in time (listings A.1, A.2) */
+    SSFR_TRANSITION_WEBER, /* they are linear in the Weber number around the threshold (the text); no state */
+};
+
+enum {
+    SSFR_START_IMPLIED, /* the first frame's particles are in the phase of their Weber numbers, as if for long */
+    SSFR_START_WATER,   /* they are water, as all that appear later are (listing A.1) */
+};
+
+typedef struct ssfr_weber_params {
+    int transition;
+    int start;
+    double threshold;  /* of the Weber number, [0, inf] */
+    double length;     /* m, l; 0: the particle's diameter, as the text has it */
+    double tension;    /* N/m, sigma; with l = 1 m and sigma = 1 N/m the number is rho v^2, as listing A.1 has it */
+    double band;       /* half the transition in the Weber number, in thresholds, (0, 1] */
+    double fade_in_min, fade_in_max;           /* s, a particle takes a random time between these to turn to foam */
+    double lifetime;                           /* s, and this to turn back, */
+    double lifetime_share_min, lifetime_share_max; /* times a random number between these */
+} ssfr_weber_params;
+
+SSFR_API ssfr_weber_params ssfr_weber_defaults(void);
+
+/* The foam of a sequence of frames: phases are kept by the particles' ids. Random numbers come from the seed, the id
+ * and how often it drew before: order and threads change nothing. */
+typedef struct ssfr_weber ssfr_weber;
+
+/* params NULL: the defaults. */
+SSFR_API SSFR_MUST ssfr_result ssfr_weber_create(ssfr_weber **out, const ssfr_weber_params *params, uint64_t seed);
+SSFR_API void ssfr_weber_destroy(ssfr_weber **weber);
+
+/* Advances to the next frame, dt (s, from 0) after the last; the first call's dt has no meaning. Fills foam[n], in
+ * [0, 1], and phase[n] (ssfr_phase); each may be NULL. Particles that were not in the last frame are new. Needs
+ * velocity and density, and from the second frame on id (a frame without ids is the last). As in the listings a
+ * particle takes one turn a call, and fades that began go on to their end. A call that fails changes no state. */
+SSFR_API SSFR_MUST ssfr_result ssfr_weber_step(ssfr_weber *weber, const ssfr_particles *particles, double dt,
+                                               float *foam, unsigned char *phase);
+SSFR_API size_t ssfr_weber_bytes(const ssfr_weber *weber); /* memory held */
+
+/* The threshold that makes a share of the particles foam: the least Weber number among the largest that are as many,
+ * rounded; infinity for none. More are foam where others have the very same. params NULL: the defaults. */
+SSFR_API SSFR_MUST ssfr_result ssfr_weber_threshold(const ssfr_particles *particles, const ssfr_weber_params *params,
+                                                    double share, double *threshold);
 
 /* ---- scene: what a frame shows --------------------------------------------------------------------------------- */
 

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+/* classify.h: what the ways of telling foam, spray and splashes from water share. */
+#ifndef SSFR_CLASSIFY_H
+#define SSFR_CLASSIFY_H
+
+#include "base/param.h"
+
+/* Fails where there are particles but no such array; why: what it is needed for. */
+SSFR_MUST ssfr_result ssfr_particles_need(const ssfr_particles *particles, const char *array, const char *why);
+
+extern const ssfr_param ssfr_weber_rows[];
+
+#endif
