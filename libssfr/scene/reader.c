@@ -10,8 +10,22 @@
 const ssfr_array *ssfr_array_find(const char *word)
 {
     static const char *const others[][2] = {
-        {"v", "velocity"}, {"vel", "velocity"},        {"velocities", "velocity"}, {"rho", "density"},
-        {"ids", "id"},     {"neighbors", "neighbours"}, {"type", "kind"},
+        {"v", "velocity"},
+        {"vel", "velocity"},
+        {"velo", "velocity"},
+        {"velocities", "velocity"},
+        {"rho", "density"},
+        {"remaining_lifetime", "lifetime"},
+        {"initiallifetime", "initial_lifetime"},
+        {"max_lifetime", "initial_lifetime"},
+        {"lifespan", "initial_lifetime"},
+        {"neighbors", "neighbours"},
+        {"n_neighbors", "neighbours"},
+        {"n_neighbours", "neighbours"},
+        {"ids", "id"},
+        {"particle_id", "id"},
+        {"particleid", "id"},
+        {"type", "kind"},
     };
     const char *name = word;
     const ssfr_array *found = NULL;
