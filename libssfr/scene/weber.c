@@ -12,6 +12,7 @@ const ssfr_param ssfr_weber_rows[] = {
                       "between water and foam: in time (listings A.1, A.2), or linear in the Weber number (the text)"),
     SSFR_PARAM_CHOICE(ssfr_weber_params, start, starts, SSFR_START_IMPLIED,
                       "the first frame's particles are what their Weber numbers imply, or water (listing A.1)"),
+    /* By default a tenth of a double dam break that comes to rest is foam (docs/errata.md, B15). */
     REAL(threshold, "1", 1900, 0, INFINITY, "Weber number from which a particle is foam"),
     REAL(length, "m", 1, 0, 1e6, "characteristic length; 0: the particle's diameter"),
     REAL(tension, "N/m", 1, 1e-6, 1e6, "surface tension; length and tension of 1 make the number rho v^2"),
