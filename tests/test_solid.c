@@ -449,6 +449,8 @@ static void malformed_solids_are_refused(void **state)
     assert_fails(SSFR_ERR_VALUE, ssfr_solid_check(&s, "it"), "inner radius");
     s = shape_at(0), s.shape = (ssfr_shape)(SSFR_MESH + 1);
     assert_fails(SSFR_ERR_VALUE, ssfr_solid_check(&s, "it"), "shape 6");
+    s = shape_at(0), s.shape = SSFR_MESH;
+    assert_fails(SSFR_ERR_VALUE, ssfr_solid_check(&s, "it"), "no mesh");
 }
 
 int main(void)

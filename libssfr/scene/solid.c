@@ -2,6 +2,8 @@
 /* solid.c: the shapes of solids as signed distances, boxes around them and the places where rays enter. */
 #include "scene/solid.h"
 
+#include "scene/mesh.h"
+
 /* ---- checking ---------------------------------------------------------------------------------------------------- */
 
 static bool all_finite(const double v[3])
@@ -43,8 +45,9 @@ static ssfr_result check_shape(const ssfr_solid *s, const char *what)
 
 ssfr_result ssfr_solid_check(const ssfr_solid *s, const char *what)
 {
-    if ((unsigned)s->shape >= SSFR_MESH)
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: shape %d: expected 0 to %d", what, (int)s->shape, SSFR_MESH - 1);
+    if ((unsigned)s->shape > SSFR_MESH)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: shape %d: expected 0 to %d", what, (int)s->shape, SSFR_MESH);
+    if (s->shape == SSFR_MESH && !s->mesh) return ssfr_fail(SSFR_ERR_VALUE, "%s: no mesh is given", what);
     if (!all_finite(s->centre) || !all_finite(s->colour))
         return ssfr_fail(SSFR_ERR_VALUE, "%s: centre and colour must be finite", what);
     if (!ssfr_axes_are_orthonormal(s->axis[0], s->axis[1], s->axis[2]))
@@ -135,6 +138,13 @@ static gap ramp(const double p[3], const double half[3])
     return combine(&side, &wide);
 }
 
+static gap surface(const double p[3], const ssfr_mesh *mesh)
+{
+    gap out;
+    out.d = ssfr_mesh_distance(mesh, p, out.n);
+    return out;
+}
+
 static gap distance(const ssfr_solid *s, const double p[3])
 {
     switch (s->shape) {
@@ -142,6 +152,7 @@ static gap distance(const ssfr_solid *s, const double p[3])
     case SSFR_CYLINDER: return cylinder(p, s->half, s->inner);
     case SSFR_SPHERE: return ball(p, s->half[0]);
     case SSFR_RAMP: return ramp(p, s->half);
+    case SSFR_MESH: return surface(p, s->mesh);
     default: return (gap){.d = p[1], .n = {0, 1, 0}};
     }
 }
@@ -163,19 +174,30 @@ double ssfr_solid_distance(const ssfr_solid *solid, const double at[3], double n
 
 /* ---- the box around a solid -------------------------------------------------------------------------------------- */
 
-/* How far the solid reaches along the world's axis k to each side of its centre. */
+/* A ramp reaches where the corners of its triangle do, a mesh at most where those of the box around it do. */
 static void reach(const ssfr_solid *s, int k, double *lo, double *hi)
 {
     const double x = s->axis[0][k], y = s->axis[1][k], z = s->axis[2][k], *h = s->half;
-    const double along[3] = {-h[0] * x - h[1] * y, h[0] * x - h[1] * y, h[0] * x + h[1] * y}; /* of a ramp's corners */
+    const double foot = -h[0] * x - h[1] * y, heel = h[0] * x - h[1] * y;
+    double most = INFINITY, least = -INFINITY;
     switch (s->shape) {
-    case SSFR_BOX: *hi = fabs(h[0] * x) + fabs(h[1] * y) + fabs(h[2] * z); break;
-    case SSFR_CYLINDER: *hi = fabs(h[1] * y) + h[0] * sqrt(x * x + z * z); break;
-    case SSFR_SPHERE: *hi = h[0]; break;
-    case SSFR_RAMP: *hi = fmax(fmax(along[0], along[1]), along[2]) + fabs(h[2] * z); break;
-    default: *hi = INFINITY; break;
+    case SSFR_BOX: most = fabs(h[0] * x) + fabs(h[1] * y) + fabs(h[2] * z), least = -most; break;
+    case SSFR_CYLINDER: most = fabs(h[1] * y) + h[0] * sqrt(x * x + z * z), least = -most; break;
+    case SSFR_SPHERE: most = h[0], least = -most; break;
+    case SSFR_RAMP:
+        most = fmax(fabs(foot), heel) + fabs(h[2] * z); /* the crest is opposite the foot */
+        least = fmin(-fabs(foot), heel) - fabs(h[2] * z);
+        break;
+    case SSFR_MESH:
+        most = least = 0;
+        for (int j = 0; j < 3; j++) {
+            const double a = s->axis[j][k] * s->mesh->lo[j], b = s->axis[j][k] * s->mesh->hi[j];
+            most += fmax(a, b), least += fmin(a, b);
+        }
+        break;
+    case SSFR_PLANE: break;
     }
-    *lo = s->shape == SSFR_RAMP ? fmin(fmin(along[0], along[1]), along[2]) - fabs(h[2] * z) : -*hi;
+    *lo = least, *hi = most;
 }
 
 void ssfr_solid_bounds(const ssfr_solid *solid, double lo[3], double hi[3])
@@ -260,21 +282,28 @@ static double enter_tube(const span *outer, const double o[3], const double d[3]
     return t > 0 && t > outer->enter && t < outer->leave ? t : -1;
 }
 
+static double enter_ramp(const double half[3], span *in, const double o[3], const double d[3], double n[3])
+{
+    const double slope = sqrt(half[0] * half[0] + half[1] * half[1]);
+    const double up[3] = {-half[1] / slope, half[0] / slope, 0};
+    clip(in, ssfr_dot(up, o), ssfr_dot(up, d), up);
+    return entry(in, n);
+}
+
 static double enter(const ssfr_solid *s, const double o[3], const double d[3], double n[3])
 {
     static const double up[3] = {0, 1, 0};
-    const double slope = sqrt(s->half[0] * s->half[0] + s->half[1] * s->half[1]);
-    const double ramp_n[3] = {-s->half[1] / slope, s->half[0] / slope, 0};
     span in = whole;
     if (s->shape == SSFR_BOX || s->shape == SSFR_RAMP)
         for (int k = 0; k < 3; k++) clip_interval(&in, o, d, k, s->half[k]);
-    if (s->shape == SSFR_RAMP) clip(&in, ssfr_dot(ramp_n, o), ssfr_dot(ramp_n, d), ramp_n);
-    if (s->shape == SSFR_SPHERE) clip_round(&in, o, d, 1, s->half[0]);
-    if (s->shape == SSFR_PLANE) clip(&in, o[1], d[1], up);
     if (s->shape == SSFR_CYLINDER) {
         clip_round(&in, o, d, 0, s->half[0]);
         clip_interval(&in, o, d, 1, s->half[1]);
     }
+    if (s->shape == SSFR_SPHERE) clip_round(&in, o, d, 1, s->half[0]);
+    if (s->shape == SSFR_PLANE) clip(&in, o[1], d[1], up);
+    if (s->shape == SSFR_RAMP) return enter_ramp(s->half, &in, o, d, n);
+    if (s->shape == SSFR_MESH) return ssfr_mesh_enter(s->mesh, o, d, n);
     return s->shape == SSFR_CYLINDER && s->inner > 0 ? enter_tube(&in, o, d, s->inner, n) : entry(&in, n);
 }
 

@@ -15,7 +15,7 @@ SSFR_MUST ssfr_result ssfr_solid_check(const ssfr_solid *solid, const char *what
  * Exact outside and, but for edges shared by no face in reach, inside; at ties (a box's centre) one of the nearest. */
 double ssfr_solid_distance(const ssfr_solid *solid, const double at[3], double normal[3]);
 
-/* The box around it, m, world; infinite for a plane. */
+/* The box around it, m, world; infinite for a plane, a little too large for a turned mesh. */
 void ssfr_solid_bounds(const ssfr_solid *solid, double lo[3], double hi[3]);
 
 /* Where the ray origin + t dir (dir of any length) enters the solid from outside: t > 0, and the unit normal there; a

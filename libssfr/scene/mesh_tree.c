@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: MIT */
+/* mesh_tree.c: the tree of boxes over a mesh's triangles: the nearest of them to a place, the first along a ray. */
+#include "scene/mesh.h"
+
+/* ---- growing ----------------------------------------------------------------------------------------------------- */
+
+typedef struct growth {
+    ssfr_mesh *mesh;
+    uint32_t *order;     /* triangles */
+    double (*middle)[3]; /* m, of the box of each */
+    double margin;       /* m, by which boxes are larger than what is in them */
+} growth;
+
+static void bound(const growth *g, size_t begin, size_t end, ssfr_mesh_node *node)
+{
+    for (int k = 0; k < 3; k++) node->lo[k] = INFINITY, node->hi[k] = -INFINITY;
+    for (size_t i = 3 * begin; i < 3 * end; i++)
+        for (int k = 0; k < 3; k++) {
+            const double v = g->mesh->corners[g->order[i / 3]][i % 3][k];
+            node->lo[k] = fmin(node->lo[k], v - g->margin);
+            node->hi[k] = fmax(node->hi[k], v + g->margin);
+        }
+}
+
+/* The axis along which the triangles' middles spread most. */
+static int widest(const growth *g, size_t begin, size_t end)
+{
+    int axis = 0;
+    double most = -1;
+    for (int k = 0; k < 3; k++) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (size_t i = begin; i < end; i++) {
+            const double v = g->middle[g->order[i]][k];
+            lo = fmin(lo, v), hi = fmax(hi, v);
+        }
+        if (hi - lo > most) most = hi - lo, axis = k;
+    }
+    return axis;
+}
+
+/* Quickselect: what stands before `at` is no further along the axis than what stands from there on. */
+static void part(const growth *g, size_t begin, size_t end, size_t at, int axis)
+{
+    size_t first = begin, last = end - 1;
+    while (first < last) {
+        const double pivot = g->middle[g->order[first + (last - first) / 2]][axis];
+        size_t i = first, k = last;
+        while (i <= k) {
+            while (g->middle[g->order[i]][axis] < pivot) i++;
+            while (g->middle[g->order[k]][axis] > pivot) k--;
+            if (i > k) break;
+            const uint32_t one = g->order[i];
+            g->order[i++] = g->order[k];
+            g->order[k] = one;
+            if (k == 0) break;
+            k--;
+        }
+        if (at <= k) last = k;
+        else if (at >= i) first = i;
+        else break;
+    }
+}
+
+/* Halves by number: the tree is as shallow as can be. */
+static void grow(const growth *g, size_t begin, size_t end)
+{
+    ssfr_mesh *mesh = g->mesh;
+    ssfr_mesh_node *node = mesh->nodes + mesh->n_nodes++;
+    bound(g, begin, end, node);
+    if (end - begin <= SSFR_MESH_LEAF) {
+        node->first = (uint32_t)begin, node->n = (uint32_t)(end - begin);
+    } else {
+        const size_t middle = begin + (end - begin) / 2;
+        part(g, begin, end, middle, widest(g, begin, end));
+        grow(g, begin, middle);
+        grow(g, middle, end);
+    }
+    node->skip = (uint32_t)mesh->n_nodes;
+}
+
+/* Puts the triangles into the leaves' order. */
+static ssfr_result sort(const growth *g)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_mesh *mesh = g->mesh;
+    double (*corners)[3][3] = NULL;
+    ssfr_mesh_normals *normals = NULL;
+    SSFR_TRY(ssfr_alloc(&corners, mesh->n_triangles, sizeof *corners, "triangles"));
+    SSFR_TRY(ssfr_alloc(&normals, mesh->n_triangles, sizeof *normals, "normals"));
+    for (size_t i = 0; i < mesh->n_triangles; i++) {
+        memcpy(corners[i], mesh->corners[g->order[i]], sizeof *corners);
+        normals[i] = mesh->normals[g->order[i]];
+    }
+    free(mesh->corners), free(mesh->normals);
+    mesh->corners = corners, mesh->normals = normals;
+    corners = NULL, normals = NULL;
+end:
+    free(corners), free(normals);
+    return result;
+}
+
+ssfr_result ssfr_mesh_grow_tree(ssfr_mesh *mesh)
+{
+    ssfr_result result = SSFR_OK;
+    growth g = {.mesh = mesh};
+    for (int k = 0; k < 3; k++) g.margin = fmax(g.margin, 1e-12 * fmax(fabs(mesh->lo[k]), fabs(mesh->hi[k])));
+    SSFR_TRY(ssfr_alloc(&g.order, mesh->n_triangles, sizeof *g.order, "the triangles' order"));
+    SSFR_TRY(ssfr_alloc(&g.middle, mesh->n_triangles, sizeof *g.middle, "the triangles' middles"));
+    SSFR_TRY(ssfr_alloc(&mesh->nodes, mesh->n_triangles, sizeof *mesh->nodes, "a tree")); /* leaves hold 2 and more */
+    for (size_t i = 0; i < mesh->n_triangles; i++) {
+        const double (*c)[3] = (const double(*)[3])mesh->corners[i];
+        g.order[i] = (uint32_t)i;
+        for (int k = 0; k < 3; k++)
+            g.middle[i][k] = 0.5 * (fmin(fmin(c[0][k], c[1][k]), c[2][k]) + fmax(fmax(c[0][k], c[1][k]), c[2][k]));
+    }
+    grow(&g, 0, mesh->n_triangles);
+    SSFR_TRY(sort(&g));
+end:
+    free(g.order), free(g.middle);
+    return result;
+}
+
+/* ---- the nearest triangle ---------------------------------------------------------------------------------------- */
+
+/* What of a triangle a place is nearest to, and where. */
+typedef enum feature { FACE, EDGE, CORNER = EDGE + 3 } feature;
+typedef struct nearest {
+    double square; /* m^2 */
+    size_t triangle;
+    int feature;   /* EDGE + k, CORNER + k */
+    double at[3];  /* m */
+} nearest;
+
+static void subtract(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
+}
+
+/* The regions of Ericson, Real-Time Collision Detection (2005), sec. 5.1.5. Gives the corner where the nearest point's
+ * way begins, and how far it goes along the side from there to the next corner; `face` when it is on neither. */
+static int region(const double c[3][3], const double p[3], int *from, double *along)
+{
+    double ab[3], ac[3], ap[3], bp[3], cp[3];
+    subtract(c[1], c[0], ab), subtract(c[2], c[0], ac);
+    subtract(p, c[0], ap), subtract(p, c[1], bp), subtract(p, c[2], cp);
+    const double d1 = ssfr_dot(ab, ap), d2 = ssfr_dot(ac, ap), d3 = ssfr_dot(ab, bp), d4 = ssfr_dot(ac, bp);
+    const double d5 = ssfr_dot(ab, cp), d6 = ssfr_dot(ac, cp);
+    const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    *along = 0;
+    if (d1 <= 0 && d2 <= 0) return *from = 0, CORNER;
+    if (d3 >= 0 && d4 <= d3) return *from = 1, CORNER + 1;
+    if (d6 >= 0 && d5 <= d6) return *from = 2, CORNER + 2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return *from = 0, *along = d1 / (d1 - d3), EDGE;
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return *from = 1, *along = (d4 - d3) / (d4 - d3 + d5 - d6), EDGE + 1;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return *from = 2, *along = d6 / (d6 - d2), EDGE + 2;
+    return *from = 0, FACE;
+}
+
+static void try_triangle(const ssfr_mesh *mesh, size_t i, const double p[3], nearest *best)
+{
+    const double (*c)[3] = (const double(*)[3])mesh->corners[i];
+    nearest found = {.triangle = i};
+    double along, to[3];
+    int from;
+    found.feature = region(c, p, &from, &along);
+    if (found.feature == FACE) {
+        const double *n = mesh->normals[i].face;
+        subtract(p, c[0], to);
+        const double height = ssfr_dot(n, to);
+        for (int k = 0; k < 3; k++) found.at[k] = p[k] - height * n[k];
+        found.square = height * height;
+    } else {
+        for (int k = 0; k < 3; k++) found.at[k] = c[from][k] + along * (c[(from + 1) % 3][k] - c[from][k]);
+        subtract(p, found.at, to);
+        found.square = ssfr_dot(to, to);
+    }
+    if (found.square < best->square) *best = found;
+}
+
+/* Square of the distance to a node's box, m^2. */
+static double to_box(const ssfr_mesh_node *node, const double p[3])
+{
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        const double below = node->lo[k] - p[k], above = p[k] - node->hi[k], out = below > above ? below : above;
+        if (out > 0) square += out * out;
+    }
+    return square;
+}
+
+/* The nearer child first; what waits is at most one node a level. */
+static nearest find_nearest(const ssfr_mesh *mesh, const double p[3])
+{
+    struct {
+        uint32_t node;
+        double square;
+    } waiting[64];
+    nearest best = {.square = INFINITY};
+    int n = 1;
+    waiting[0].node = 0, waiting[0].square = 0;
+    while (n > 0) {
+        const ssfr_mesh_node *node = mesh->nodes + waiting[--n].node;
+        if (waiting[n].square >= best.square) continue;
+        for (uint32_t i = node->first; i < node->first + node->n; i++) try_triangle(mesh, i, p, &best);
+        if (node->n) continue;
+        const uint32_t a = (uint32_t)(node - mesh->nodes) + 1, b = mesh->nodes[a].skip;
+        const double to_a = to_box(mesh->nodes + a, p), to_b = to_box(mesh->nodes + b, p);
+        const bool a_first = to_a < to_b;
+        waiting[n].node = a_first ? b : a, waiting[n++].square = a_first ? to_b : to_a;
+        waiting[n].node = a_first ? a : b, waiting[n++].square = a_first ? to_a : to_b;
+    }
+    return best;
+}
+
+static const double *normal_of(const ssfr_mesh *mesh, const nearest *at)
+{
+    const ssfr_mesh_normals *n = mesh->normals + at->triangle;
+    return at->feature >= CORNER ? n->corner[at->feature - CORNER]
+           : at->feature >= EDGE ? n->edge[at->feature - EDGE]
+                                 : n->face;
+}
+
+/* The sign by angle-weighted pseudonormals: Baerentzen and Aanaes, Signed distance computation using the angle weighted
+ * pseudonormal (2005). */
+double ssfr_mesh_distance(const ssfr_mesh *mesh, const double at[3], double normal[3])
+{
+    const nearest best = find_nearest(mesh, at);
+    const double *n = normal_of(mesh, &best), far = fmax(fabs(best.at[0]), fmax(fabs(best.at[1]), fabs(best.at[2])));
+    double to[3];
+    subtract(at, best.at, to);
+    const bool inside = ssfr_dot(to, n) < 0;
+    const double d = sqrt(best.square);
+    /* Where rounding decides which way the nearest point is, the surface's own normal stands. */
+    const bool own = best.feature == FACE || d < 1e-12 * far;
+    for (int k = 0; k < 3; k++) normal[k] = own ? n[k] : (inside ? -to[k] : to[k]) / d;
+    return inside ? -d : d;
+}
+
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
+
+typedef struct ray {
+    double o[3], d[3], inverse[3]; /* o: relative to the mesh's axes, moved along the ray to where it is nearest */
+    double moved;                  /* by so many d */
+    double first, t;               /* the ray's begin and its nearest hit so far, from o on */
+} ray;
+
+static bool meets_box(const ray *r, const ssfr_mesh_node *node)
+{
+    double enter = r->first, leave = r->t;
+    for (int k = 0; k < 3; k++) {
+        const double a = (node->lo[k] - r->o[k]) * r->inverse[k], b = (node->hi[k] - r->o[k]) * r->inverse[k];
+        const double near = a < b ? a : b, far = a < b ? b : a;
+        enter = near > enter ? near : enter;
+        leave = far < leave ? far : leave;
+    }
+    return enter <= leave;
+}
+
+/* Six times the volume of the tetrahedron of an edge and a stretch of the ray: its sign says on which side of the edge
+ * the ray passes. For the edge run backwards it is the exact opposite: no ray slips between two triangles. */
+static double side(const double d[3], const double a[3], const double b[3])
+{
+    double n[3];
+    ssfr_cross(a, b, n);
+    return ssfr_dot(d, n);
+}
+
+static bool enter_triangle(const ssfr_mesh *mesh, size_t i, ray *r)
+{
+    const double *n = mesh->normals[i].face, slope = ssfr_dot(n, r->d);
+    double c[3][3];
+    if (!(slope < 0)) return false;
+    for (int k = 0; k < 3; k++) subtract(mesh->corners[i][k], r->o, c[k]);
+    if (side(r->d, c[0], c[1]) > 0 || side(r->d, c[1], c[2]) > 0 || side(r->d, c[2], c[0]) > 0) return false;
+    const double t = ssfr_dot(n, c[0]) / slope;
+    if (!(t > r->first && t < r->t)) return false;
+    r->t = t;
+    return true;
+}
+
+/* Measured from where the ray is nearest to the mesh's middle: the sides of triangles are told far away too. */
+static ray begin(const ssfr_mesh *mesh, const double origin[3], const double dir[3])
+{
+    ray r = {.t = INFINITY};
+    double to[3];
+    for (int k = 0; k < 3; k++) to[k] = 0.5 * (mesh->lo[k] + mesh->hi[k]) - origin[k];
+    r.moved = ssfr_dot(to, dir) / ssfr_dot(dir, dir);
+    r.first = -r.moved;
+    for (int k = 0; k < 3; k++) {
+        r.o[k] = origin[k] + r.moved * dir[k];
+        r.d[k] = dir[k];
+        r.inverse[k] = 1 / (fabs(dir[k]) > 1e-30 ? dir[k] : 1e-30);
+    }
+    return r;
+}
+
+double ssfr_mesh_enter(const ssfr_mesh *mesh, const double origin[3], const double dir[3], double normal[3])
+{
+    ray r = begin(mesh, origin, dir);
+    size_t hit = mesh->n_triangles;
+    for (uint32_t i = 0; i < mesh->n_nodes;) {
+        const ssfr_mesh_node *node = mesh->nodes + i;
+        const bool meets = meets_box(&r, node);
+        for (uint32_t k = node->first; meets && k < node->first + node->n; k++)
+            if (enter_triangle(mesh, k, &r)) hit = k;
+        i = meets ? i + 1 : node->skip;
+    }
+    if (hit == mesh->n_triangles) return -1;
+    memcpy(normal, mesh->normals[hit].face, 3 * sizeof *normal);
+    return r.moved + r.t;
+}
