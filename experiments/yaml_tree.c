@@ -351,10 +351,11 @@ static ssfr_result fail_no_row(const ssfr_yaml_node *map, const ssfr_yaml_node *
     return fail_unknown(map, key, list);
 }
 
-static bool has_key(const ssfr_yaml_node *map, const char *name)
+const ssfr_yaml_node *ssfr_yaml_find(const ssfr_yaml_node *map, const char *name)
 {
-    bool found = false;
-    for (size_t i = 0; i < map->n && !found; i++) found = strcmp(map->keys[i]->text, name) == 0;
+    const ssfr_yaml_node *found = NULL;
+    for (size_t i = 0; i < map->n && !found; i++)
+        if (strcmp(map->keys[i]->text, name) == 0) found = map->values[i];
     return found;
 }
 
@@ -369,7 +370,7 @@ ssfr_result ssfr_yaml_read_map(const ssfr_yaml_node *node, const ssfr_yaml_row *
         SSFR_TRY(row->read(node->values[i], row, (char *)to + row->offset));
     }
     for (const ssfr_yaml_row *row = rows; row->name; row++)
-        if (row->needed && !has_key(node, row->name))
+        if (row->needed && !ssfr_yaml_find(node, row->name))
             return ssfr_yaml_fail(ssfr_yaml_head(node), SSFR_ERR_FORMAT, "%.80s: %s must be given", node->name,
                                   row->name);
 end:

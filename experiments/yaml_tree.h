@@ -48,6 +48,8 @@ __attribute__((format(printf, 4, 5))) ssfr_result ssfr_yaml_fail_at(const ssfr_y
 
 /* Fails unless the node is of that kind. */
 SSFR_MUST ssfr_result ssfr_yaml_expect(const ssfr_yaml_node *node, ssfr_yaml_kind kind);
+/* The value of a key of a map; NULL when it is not there. */
+const ssfr_yaml_node *ssfr_yaml_find(const ssfr_yaml_node *map, const char *name);
 
 /* ---- rows: what a map may hold, and where it goes ---------------------------------------------------------------- */
 

@@ -6,6 +6,7 @@
 
 #include "experiments/scenes/foam.h"
 #include "experiments/scenes/solver.h"
+#include "experiments/scenes/spline.h"
 
 typedef enum ssfr_scale { SSFR_SCALE_QUICK, SSFR_SCALE_FULL } ssfr_scale; /* the words of --scale, in their order */
 /* What quick has fewer particles by; its radius is the cube root of that larger. */
@@ -31,15 +32,18 @@ typedef struct ssfr_motion {
 
 typedef struct ssfr_body {
     char *name;
-    ssfr_solid solid;   /* at time 0, before its motion */
+    ssfr_solid solid;   /* before its motion */
+    ssfr_mesh *mesh;    /* of the solid, owned; NULL for none */
+    char *file;         /* path of the mesh; NULL for none */
     int motion;         /* index; -1 for none */
     double friction;
     bool hidden;        /* met by the fluid, but not drawn */
 } ssfr_body;
 
-/* A box (half extents along its axes) full of fluid from the start, filled from below until `count` particles are there
- * (0: as many as fit). What lies in a solid stays free. */
+/* A box full of fluid from the start, filled from below until `count` particles are there (0: as many as fit). What lies
+ * in a solid stays free. */
 typedef struct ssfr_pool {
+    char *name;
     double lo[3], hi[3]; /* m, world */
     double velocity[3];  /* m/s */
     size_t count;        /* at this scale */
@@ -68,10 +72,11 @@ typedef struct ssfr_view { /* a camera, or a path through its keys: a cubic spli
     double up[3];
     int n_keys;
     ssfr_view_key *keys; /* by rising time */
+    ssfr_curve *curve;   /* through the keys: eye, target, fov_deg; NULL for one key */
 } ssfr_view;
 
 typedef struct ssfr_scene_setting { /* "medium.ior" = "1.33": of the graph */
-    char *key, *value;
+    char *key, *value, *where; /* where: "file:line:column", for messages */
 } ssfr_scene_setting;
 
 typedef struct ssfr_description {
@@ -109,16 +114,17 @@ SSFR_MUST ssfr_result ssfr_description_parse(ssfr_description **out, const char 
                                              ssfr_scale scale, ssfr_mesh_loader *load_mesh);
 void ssfr_description_destroy(ssfr_description **description);
 
-/* The pools' particles at the start, as the solver takes them: a lattice as wide as particles at rest. To free(). */
+/* The pools' particles at the start, as the solver takes them, max_particles at most: cubic lattices as wide as particles
+ * at rest, half of that off the pools' sides and a radius off solids. To free(). */
 SSFR_MUST ssfr_result ssfr_description_fill(const ssfr_description *description, size_t *n, double **positions,
                                             float **velocities);
 
-/* A body's solid at a time (s). */
+/* A body's solid at a time (s). Before time 0 motions stand as they do then. */
 ssfr_solid ssfr_body_at(const ssfr_description *description, const ssfr_body *body, double time);
 /* An emitter's place and direction at a time. */
 ssfr_emitter ssfr_emitter_at(const ssfr_description *description, const ssfr_emitter *emitter, double time);
 
-/* A view by name (NULL: the first), or an error that lists those there are. */
+/* A view by name, or an error that lists those there are. name NULL: the first, NULL when there is none. */
 SSFR_MUST ssfr_result ssfr_description_view(const ssfr_description *description, const char *name,
                                             const ssfr_view **out);
 /* The key of a view at a time: from the spline through its keys; before the first and after the last it stands. */

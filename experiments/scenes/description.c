@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* description.c: scene files: what they hold as a whole, and the parts that are read by themselves. */
+#include "experiments/scenes/description_read.h"
+#include "base/param.h"
+
+#include <errno.h>
+
+static const double default_rate = 30;   /* 1/s */
+static const double frame_slack = 1e-9;  /* frames that duration and rate may miss by rounding */
+
+enum { MAX_FRAMES = 100000, MAX_GROUPS = 16 };
+
+/* ---- what all parts use ------------------------------------------------------------------------------------------ */
+
+ssfr_result ssfr_reading_copy(char **out, const char *before, const char *text)
+{
+    const size_t size = strlen(before) + strlen(text) + 1;
+    const ssfr_result result = ssfr_alloc(out, size, 1, "a text");
+    if (result == SSFR_OK) snprintf(*out, size, "%s%s", before, text);
+    return result;
+}
+
+ssfr_result ssfr_reading_count(const ssfr_yaml_node *map, int most, int *n)
+{
+    ssfr_result result = SSFR_OK;
+    *n = 0;
+    if (!map) return SSFR_OK;
+    SSFR_TRY(ssfr_yaml_expect(map, SSFR_YAML_MAP));
+    if (map->n > (size_t)most)
+        return ssfr_yaml_fail(ssfr_yaml_head(map), SSFR_ERR_VALUE, "%s: %zu of them, at most %d", map->name, map->n,
+                              most);
+    *n = (int)map->n;
+end:
+    return result;
+}
+
+ssfr_result ssfr_reading_direction(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    const ssfr_yaml_row finite = {.name = row->name, .unit = "1", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH};
+    ssfr_result result = SSFR_OK;
+    double v[3];
+    SSFR_TRY(ssfr_yaml_read_real3(node, &finite, v));
+    if (!(ssfr_normalize(v) > SSFR_MIN_LENGTH))
+        return ssfr_yaml_fail(node, SSFR_ERR_VALUE, "%s: a direction must not be 0", node->name);
+    memcpy(to, v, sizeof v);
+end:
+    return result;
+}
+
+double ssfr_description_spacing(const ssfr_description *description)
+{
+    return 2 * description->solver.radius * cbrt(SSFR_VOLUME_SHARE);
+}
+
+/* ---- drawing: groups of parameters, settings, files -------------------------------------------------------------- */
+
+static ssfr_result add_setting(ssfr_reading *r, const char *group, const ssfr_yaml_node *key,
+                               const ssfr_yaml_node *value)
+{
+    ssfr_result result = SSFR_OK;
+    char where[SSFR_YAML_PLACE], full[128];
+    ssfr_description *d = &r->d;
+    ssfr_scene_setting *bigger = realloc(d->settings, (size_t)(d->n_settings + 1) * sizeof *bigger);
+    if (!bigger) return ssfr_fail(SSFR_ERR_MEMORY, "no memory for %d settings", d->n_settings + 1);
+    d->settings = bigger;
+    d->settings[d->n_settings++] = (ssfr_scene_setting){0};
+    bigger += d->n_settings - 1;
+    if (snprintf(full, sizeof full, "%s%s", group, key->text) >= (int)sizeof full)
+        return ssfr_yaml_fail(key, SSFR_ERR_VALUE, "%.80s: the key is too long", key->text);
+    SSFR_TRY(ssfr_reading_copy(&bigger->key, "", full));
+    SSFR_TRY(ssfr_reading_copy(&bigger->value, "", value->text));
+    SSFR_TRY(ssfr_reading_copy(&bigger->where, "", ssfr_yaml_place(key, where)));
+end:
+    return result;
+}
+
+/* The parameters of a group, "light: {elevation_deg: 30}": checked here, set when a graph is there. */
+static ssfr_result read_group(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    char group[64];
+    void *checked = NULL;
+    size_t size = sizeof(double);
+    for (const ssfr_param *param = row->params; param->name; param++)
+        if (param->offset + sizeof(double) > size) size = param->offset + sizeof(double);
+    SSFR_TRY(ssfr_alloc(&checked, 1, size, "parameters"));
+    SSFR_TRY(ssfr_yaml_read_params(node, row, checked));
+    snprintf(group, sizeof group, "%s.", row->name);
+    for (size_t i = 0; i < node->n; i++) SSFR_TRY(add_setting(to, group, node->keys[i], node->values[i]));
+end:
+    free(checked);
+    return result;
+}
+
+/* "set: {curvature_flow.iterations: 20}": which there are is known when a pipeline is. */
+static ssfr_result read_settings(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    (void)row;
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
+    for (size_t i = 0; i < node->n; i++) {
+        if (!strchr(node->keys[i]->text, '.'))
+            return ssfr_yaml_fail(node->keys[i], SSFR_ERR_FORMAT, "%.80s: expected a parameter such as pass.param",
+                                  node->keys[i]->text);
+        SSFR_TRY(ssfr_yaml_expect(node->values[i], SSFR_YAML_TEXT));
+        SSFR_TRY(add_setting(to, "", node->keys[i], node->values[i]));
+    }
+end:
+    return result;
+}
+
+static ssfr_result read_floor(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    const bool none = node->kind == SSFR_YAML_TEXT && strcmp(node->text, "none") == 0;
+    if (none) *(double *)to = -INFINITY;
+    return none ? SSFR_OK : ssfr_yaml_read_real(node, row, to);
+}
+
+static ssfr_result read_title(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_yaml_read_text(node, row, to));
+    if (node->text[0] == '\0' || strpbrk(node->text, "\r\n"))
+        result = ssfr_yaml_fail(node, SSFR_ERR_VALUE, "%s: expected one line", node->name);
+end:
+    return result;
+}
+
+/* An image: found now, so that a simulation of hours does not end in a missing file. */
+static ssfr_result read_image(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_reading *r = to;
+    char **path = strcmp(row->name, "environment") == 0 ? &r->d.environment : &r->d.background;
+    FILE *file = NULL;
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
+    SSFR_TRY(ssfr_reading_copy(path, node->text[0] == '/' ? "" : r->folder, node->text));
+    file = fopen(*path, "rb");
+    if (!file)
+        result = ssfr_yaml_fail(node, SSFR_ERR_IO, "%s: %.300s: %s", node->name, *path, strerror(errno));
+end:
+    if (file) fclose(file);
+    return result;
+}
+
+static ssfr_result read_foam(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_reading *r = to;
+    r->d.has_foam = true;
+    return ssfr_yaml_read_params(node, row, &r->d.foam);
+}
+
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
+
+#define ROW(key, reader, member, ...) SSFR_YAML_ROW(key, reader, ssfr_reading, member, __VA_ARGS__)
+#define REAL(key, member, u, lo, hi, ...) \
+    ROW(key, ssfr_yaml_read_real, member, .unit = u, .min = lo, .max = hi, __VA_ARGS__)
+#define NODE(key, member, ...) ROW(key, ssfr_yaml_read_node, member, __VA_ARGS__)
+
+static const ssfr_yaml_row scene_rows[] = {
+    ROW("title", read_title, d.title, .needed = true),
+    REAL("radius", d.solver.radius, "m", SSFR_MIN_LENGTH, 1e3, .needed = true),
+    ROW("particles", ssfr_yaml_read_count, particles, .needed = true, .unit = "1", .min = 1, .max = SSFR_MAX_FLUID),
+    NODE("domain", domain, .needed = true),
+    ROW("gravity", ssfr_yaml_read_real3, d.solver.gravity, .unit = "m/s^2", .min = -SSFR_MAX_SPEED,
+        .max = SSFR_MAX_SPEED),
+    REAL("duration", duration, "s", 0, SSFR_MAX_TIME, .needed = true),
+    REAL("frame_rate", d.frame_rate, "1/s", 1e-3, 1e5),
+    REAL("rest_time", d.rest_time, "s", 0, SSFR_MAX_TIME),
+    ROW("solver", ssfr_yaml_read_params, d.solver.params, .params = ssfr_solver_rows),
+    SSFR_YAML_ROW_ALL("foam", read_foam, .params = ssfr_foam_rows),
+    NODE("motions", motions),
+    NODE("solids", solids),
+    NODE("fluid", pools),
+    NODE("emitters", emitters),
+    NODE("sinks", sinks),
+    NODE("cameras", cameras),
+    SSFR_YAML_ROW_ALL("set", read_settings),
+    ROW("floor_height", read_floor, d.floor, .unit = "m", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH),
+    SSFR_YAML_ROW_ALL("environment", read_image),
+    SSFR_YAML_ROW_ALL("background", read_image),
+};
+
+/* The rows above, and one for each of the groups that all pipelines share. */
+static void list_rows(ssfr_yaml_row rows[SSFR_COUNT(scene_rows) + MAX_GROUPS + 1])
+{
+    const ssfr_param *params;
+    size_t n = SSFR_COUNT(scene_rows);
+    memcpy(rows, scene_rows, sizeof scene_rows);
+    for (int i = 0; i < MAX_GROUPS && ssfr_group_at(i, &params); i++)
+        rows[n++] = (ssfr_yaml_row)SSFR_YAML_ROW_ALL(ssfr_group_at(i, &params), read_group, .params = params);
+    rows[n] = (ssfr_yaml_row)SSFR_YAML_ROW_END;
+}
+
+static ssfr_result count_frames(ssfr_reading *r, const ssfr_yaml_node *root)
+{
+    const double n = floor(r->duration * r->d.frame_rate + frame_slack) + 1;
+    if (n > MAX_FRAMES)
+        return ssfr_yaml_fail(root, SSFR_ERR_VALUE, "duration: %g s make %.0f frames, at most %d", r->duration, n,
+                              MAX_FRAMES);
+    r->d.n_frames = (int)n;
+    return SSFR_OK;
+}
+
+static void apply_scale(ssfr_reading *r)
+{
+    const bool quick = r->d.scale == SSFR_SCALE_QUICK;
+    r->d.solver.radius *= quick ? cbrt(SSFR_QUICK_SHARE) : 1;
+    r->d.solver.max_particles = quick ? (r->particles + SSFR_QUICK_SHARE / 2) / SSFR_QUICK_SHARE : r->particles;
+    if (r->d.solver.max_particles == 0) r->d.solver.max_particles = 1;
+}
+
+static void set_defaults(ssfr_reading *r)
+{
+    r->d.solver.gravity[1] = -9.81;
+    r->d.frame_rate = default_rate;
+    r->d.floor = NAN; /* until the domain is known */
+    ssfr_params_default(ssfr_solver_rows, &r->d.solver.params);
+    ssfr_params_default(ssfr_foam_rows, &r->d.foam);
+}
+
+static ssfr_result read_scene(ssfr_reading *r, const ssfr_yaml_node *root)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_yaml_row rows[SSFR_COUNT(scene_rows) + MAX_GROUPS + 1];
+    list_rows(rows);
+    set_defaults(r);
+    SSFR_TRY(ssfr_yaml_read_map(root, rows, r));
+    SSFR_TRY(count_frames(r, root));
+    apply_scale(r);
+    SSFR_TRY(ssfr_reading_domain(r));
+    SSFR_TRY(ssfr_reading_motions(r));
+    SSFR_TRY(ssfr_reading_solids(r));
+    SSFR_TRY(ssfr_reading_pools(r));
+    SSFR_TRY(ssfr_reading_emitters(r));
+    SSFR_TRY(ssfr_reading_sinks(r));
+    SSFR_TRY(ssfr_reading_views(r));
+    SSFR_TRY(ssfr_reading_check_room(r));
+    if (isnan(r->d.floor)) r->d.floor = r->d.solver.open[2] ? -INFINITY : r->d.solver.lo[1];
+end:
+    return result;
+}
+
+/* ---- the object -------------------------------------------------------------------------------------------------- */
+
+static void finish(ssfr_description *d)
+{
+    for (int i = 0; i < d->n_motions; i++) free(d->motions[i].name), free(d->motions[i].keys);
+    for (int i = 0; i < d->n_bodies; i++) {
+        free(d->bodies[i].name);
+        free(d->bodies[i].file);
+        ssfr_mesh_destroy(&d->bodies[i].mesh);
+    }
+    for (int i = 0; i < d->n_pools; i++) free(d->pools[i].name);
+    for (int i = 0; i < d->n_views; i++) {
+        free(d->views[i].name);
+        free(d->views[i].keys);
+        ssfr_curve_destroy(&d->views[i].curve);
+    }
+    for (int i = 0; i < d->n_settings; i++) {
+        free(d->settings[i].key);
+        free(d->settings[i].value);
+        free(d->settings[i].where);
+    }
+    void *const all[] = {d->name,  d->title, d->text,  d->motions,  d->bodies,      d->pools,
+                         d->emitters, d->sinks, d->views, d->settings, d->environment, d->background};
+    for (size_t i = 0; i < SSFR_COUNT(all); i++) free(all[i]);
+    *d = (ssfr_description){0};
+}
+
+void ssfr_description_destroy(ssfr_description **description)
+{
+    if (*description) finish(*description);
+    free(*description);
+    *description = NULL;
+}
+
+/* "a/b.yaml" gives "a/". */
+static ssfr_result find_folder(char **out, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const ssfr_result result = ssfr_reading_copy(out, "", path);
+    if (result == SSFR_OK) (*out)[slash ? slash - path + 1 : 0] = '\0';
+    return result;
+}
+
+static ssfr_result parse(ssfr_description **out, const char *name, const char *text, size_t size, ssfr_scale scale,
+                         ssfr_mesh_loader *load_mesh)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_reading r = {.d.scale = scale, .load_mesh = load_mesh};
+    ssfr_yaml *tree = NULL;
+    *out = NULL;
+    SSFR_TRY(ssfr_yaml_parse(&tree, name, "scene", text, size));
+    SSFR_TRY(ssfr_reading_copy(&r.d.name, "", name));
+    SSFR_TRY(ssfr_reading_copy(&r.d.text, "", text));
+    SSFR_TRY(find_folder(&r.folder, name));
+    SSFR_TRY(read_scene(&r, ssfr_yaml_root(tree)));
+    SSFR_TRY(ssfr_alloc(out, 1, sizeof **out, "a scene"));
+    **out = r.d;
+    r.d = (ssfr_description){0};
+end:
+    finish(&r.d);
+    free(r.folder);
+    ssfr_yaml_destroy(&tree);
+    return result;
+}
+
+ssfr_result ssfr_description_parse(ssfr_description **out, const char *name, const char *text, ssfr_scale scale,
+                                   ssfr_mesh_loader *load_mesh)
+{
+    return parse(out, name, text, strlen(text), scale, load_mesh);
+}
+
+ssfr_result ssfr_description_load(ssfr_description **out, const char *path, ssfr_scale scale)
+{
+    ssfr_result result = SSFR_OK;
+    char *text = NULL;
+    size_t size = 0;
+    *out = NULL;
+    SSFR_TRY(ssfr_read_file(path, SSFR_YAML_FILE, &text, &size));
+    SSFR_TRY(parse(out, path, text, size, scale, ssfr_mesh_load));
+end:
+    free(text);
+    return result;
+}

@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* description_solids.c: reading the domain, the solids and their motions. */
+#include "experiments/scenes/description_read.h"
+
+static const double max_cells = 1 << 20; /* of the neighbour grid along an axis; a cell is a support wide */
+
+#define LENGTH .unit = "m", .min = SSFR_MIN_LENGTH, .max = SSFR_MAX_LENGTH
+#define PLACE .unit = "m", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH
+#define TIME .unit = "s", .min = 0, .max = SSFR_MAX_TIME
+#define ANGLE .unit = "deg", .min = -1e6, .max = 1e6
+#define SHARE .unit = "1", .min = 0, .max = 1
+
+/* ---- the domain -------------------------------------------------------------------------------------------------- */
+
+ssfr_result ssfr_reading_domain(ssfr_reading *r)
+{
+    static const char *const sides[] = {"-x", "+x", "-y", "+y", "-z", "+z", NULL};
+    static const ssfr_yaml_row rows[] = {
+        SSFR_YAML_ROW("lo", ssfr_yaml_read_real3, ssfr_solver_setup, lo, .needed = true, PLACE),
+        SSFR_YAML_ROW("hi", ssfr_yaml_read_real3, ssfr_solver_setup, hi, .needed = true, PLACE),
+        SSFR_YAML_ROW("open", ssfr_yaml_read_words, ssfr_solver_setup, open, .words = sides),
+        SSFR_YAML_ROW_END,
+    };
+    ssfr_result result = SSFR_OK;
+    const ssfr_yaml_node *node = r->domain;
+    ssfr_solver_setup *s = &r->d.solver;
+    SSFR_TRY(ssfr_yaml_read_map(node, rows, s));
+    for (int k = 0; k < 3; k++) {
+        const double width = s->hi[k] - s->lo[k];
+        if (!(width > 2 * s->radius))
+            return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "domain: %g m wide along %c, a particle %g m", width,
+                                  "xyz"[k], 2 * s->radius);
+        if (width > max_cells * SSFR_SUPPORT * s->radius)
+            return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "domain: %g m wide along %c, at most %g m for a radius of %g m",
+                                  width, "xyz"[k], max_cells * SSFR_SUPPORT * s->radius, s->radius);
+    }
+end:
+    return result;
+}
+
+/* ---- motions ----------------------------------------------------------------------------------------------------- */
+
+static ssfr_result read_pose_keys(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    static const ssfr_yaml_row rows[] = {
+        SSFR_YAML_ROW("time", ssfr_yaml_read_real, ssfr_pose_key, time, .needed = true, TIME),
+        SSFR_YAML_ROW("move", ssfr_yaml_read_real3, ssfr_pose_key, move, PLACE),
+        SSFR_YAML_ROW("turn_deg", ssfr_yaml_read_real, ssfr_pose_key, turn_deg, ANGLE),
+        SSFR_YAML_ROW_END,
+    };
+    ssfr_result result = SSFR_OK;
+    ssfr_motion *motion = to;
+    (void)row;
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_LIST));
+    if (node->n == 0 || node->n > SSFR_MAX_PARTS)
+        return ssfr_yaml_fail(node, SSFR_ERR_VALUE, "keys: %zu of them, expected 1 to %d", node->n, SSFR_MAX_PARTS);
+    SSFR_TRY(ssfr_alloc(&motion->keys, node->n, sizeof *motion->keys, "a motion"));
+    motion->n_keys = (int)node->n;
+    for (size_t i = 0; i < node->n; i++) {
+        SSFR_TRY(ssfr_yaml_read_map(node->values[i], rows, &motion->keys[i]));
+        if (i > 0 && !(motion->keys[i].time > motion->keys[i - 1].time))
+            return ssfr_yaml_fail(node->values[i], SSFR_ERR_VALUE, "keys: %g s does not come after %g s",
+                                  motion->keys[i].time, motion->keys[i - 1].time);
+    }
+end:
+    return result;
+}
+
+/* A motion that begins again goes on from where it is: nothing in a fluid may jump. */
+static ssfr_result check_period(const ssfr_motion *motion, const ssfr_yaml_node *node)
+{
+    const double slack = 1e-9; /* m, turns */
+    const ssfr_pose_key *first = &motion->keys[0], *last = &motion->keys[motion->n_keys - 1];
+    const double turns = (last->turn_deg - first->turn_deg) / 360;
+    bool same = fabs(turns - round(turns)) < slack;
+    if (motion->period < last->time)
+        return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%s: a period of %g s, the last key is at %g s", motion->name,
+                              motion->period, last->time);
+    for (int k = 0; k < 3; k++) same &= fabs(last->move[k] - first->move[k]) < slack;
+    if (!same)
+        return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%s: its last key differs from the first, where it begins again",
+                              motion->name);
+    return SSFR_OK;
+}
+
+static ssfr_result read_motion(const ssfr_yaml_node *node, ssfr_motion *motion)
+{
+    static const char *const easings[] = {"smooth", "linear", NULL}; /* as ssfr_easing */
+    static const ssfr_yaml_row rows[] = {
+        SSFR_YAML_ROW("pivot", ssfr_yaml_read_real3, ssfr_motion, pivot, PLACE),
+        SSFR_YAML_ROW("axis", ssfr_reading_direction, ssfr_motion, axis),
+        SSFR_YAML_ROW("period", ssfr_yaml_read_real, ssfr_motion, period, .unit = "s", .min = 1e-3, .max = SSFR_MAX_TIME),
+        SSFR_YAML_ROW("easing", ssfr_yaml_read_word, ssfr_motion, easing, .words = easings),
+        SSFR_YAML_ROW_ALL("keys", read_pose_keys, .needed = true),
+        SSFR_YAML_ROW_END,
+    };
+    ssfr_result result = SSFR_OK;
+    motion->axis[1] = 1;
+    SSFR_TRY(ssfr_reading_copy(&motion->name, "", node->name));
+    SSFR_TRY(ssfr_yaml_read_map(node, rows, motion));
+    if (motion->period > 0) SSFR_TRY(check_period(motion, node));
+end:
+    return result;
+}
+
+ssfr_result ssfr_reading_motions(ssfr_reading *r)
+{
+    ssfr_result result = SSFR_OK;
+    int n = 0;
+    SSFR_TRY(ssfr_reading_count(r->motions, SSFR_MAX_PARTS, &n));
+    SSFR_TRY(ssfr_alloc(&r->d.motions, (size_t)n, sizeof *r->d.motions, "motions"));
+    r->d.n_motions = n;
+    for (int i = 0; i < n; i++) SSFR_TRY(read_motion(r->motions->values[i], &r->d.motions[i]));
+end:
+    return result;
+}
+
+ssfr_result ssfr_reading_find_motion(const ssfr_reading *r, const ssfr_yaml_node *motion, int *index)
+{
+    ssfr_result result = SSFR_OK;
+    char list[300] = "none";
+    size_t used = 0;
+    *index = -1;
+    if (!motion) return SSFR_OK;
+    SSFR_TRY(ssfr_yaml_expect(motion, SSFR_YAML_TEXT));
+    for (int i = 0; i < r->d.n_motions; i++) {
+        if (strcmp(r->d.motions[i].name, motion->text) == 0) *index = i;
+        if (used < sizeof list)
+            used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", r->d.motions[i].name);
+    }
+    if (*index < 0)
+        result = ssfr_yaml_fail(motion, SSFR_ERR_UNKNOWN, "no motion %.80s: there are %s", motion->text, list);
+end:
+    return result;
+}
+
+/* ---- solids ------------------------------------------------------------------------------------------------------ */
+
+typedef struct entry { /* a solid as it is written */
+    const ssfr_yaml_node *word; /* of its shape */
+    double centre[3], size[3];  /* m */
+    double radius, inner, height;
+    double axis[3];             /* unit */
+    double turn_deg[3];
+    double colour[3], friction;
+    bool hidden;
+    const ssfr_yaml_node *motion, *file;
+} entry;
+
+#define ROW(key, reader, member, ...) SSFR_YAML_ROW(key, reader, entry, member, __VA_ARGS__)
+#define COMMON                                              \
+    ROW("shape", ssfr_yaml_read_node, word),                \
+    ROW("motion", ssfr_yaml_read_node, motion),             \
+    ROW("colour", ssfr_yaml_read_real3, colour, SHARE),     \
+    ROW("friction", ssfr_yaml_read_real, friction, SHARE),  \
+    ROW("hidden", ssfr_yaml_read_flag, hidden)
+#define CENTRE ROW("centre", ssfr_yaml_read_real3, centre, .needed = true, PLACE)
+#define SIZE ROW("size", ssfr_yaml_read_real3, size, .needed = true, LENGTH)
+#define RADIUS ROW("radius", ssfr_yaml_read_real, radius, .needed = true, LENGTH)
+#define HEIGHT ROW("height", ssfr_yaml_read_real, height, .needed = true, LENGTH)
+#define INNER ROW("inner", ssfr_yaml_read_real, inner, .needed = true, LENGTH)
+#define AXIS ROW("axis", ssfr_reading_direction, axis)
+#define TURN ROW("turn_deg", ssfr_yaml_read_real3, turn_deg, ANGLE)
+
+static const ssfr_yaml_row box_rows[] = {COMMON, CENTRE, SIZE, TURN, SSFR_YAML_ROW_END};
+static const ssfr_yaml_row cylinder_rows[] = {COMMON, CENTRE, RADIUS, HEIGHT, AXIS, SSFR_YAML_ROW_END};
+static const ssfr_yaml_row tube_rows[] = {COMMON, CENTRE, RADIUS, INNER, HEIGHT, AXIS, SSFR_YAML_ROW_END};
+static const ssfr_yaml_row sphere_rows[] = {COMMON, CENTRE, RADIUS, SSFR_YAML_ROW_END};
+static const ssfr_yaml_row plane_rows[] = {COMMON, CENTRE, ROW("normal", ssfr_reading_direction, axis),
+                                           SSFR_YAML_ROW_END};
+static const ssfr_yaml_row mesh_rows[] = {COMMON, ROW("file", ssfr_yaml_read_node, file, .needed = true),
+                                          ROW("centre", ssfr_yaml_read_real3, centre, PLACE), TURN, SSFR_YAML_ROW_END};
+
+static const struct shape {
+    const char *name;
+    ssfr_shape shape;
+    const ssfr_yaml_row *rows;
+} shapes[] = {
+    {"box", SSFR_BOX, box_rows},           {"ramp", SSFR_RAMP, box_rows},       {"cylinder", SSFR_CYLINDER, cylinder_rows},
+    {"tube", SSFR_CYLINDER, tube_rows},    {"sphere", SSFR_SPHERE, sphere_rows}, {"plane", SSFR_PLANE, plane_rows},
+    {"mesh", SSFR_MESH, mesh_rows},
+};
+
+/* What a solid may say depends on its shape. */
+static ssfr_result find_shape(const ssfr_yaml_node *node, const struct shape **out)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_yaml_node *word;
+    char list[100] = "";
+    size_t used = 0;
+    *out = NULL;
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
+    word = ssfr_yaml_find(node, "shape");
+    if (!word) return ssfr_yaml_fail(node->key, SSFR_ERR_FORMAT, "%.80s: shape must be given", node->name);
+    SSFR_TRY(ssfr_yaml_expect(word, SSFR_YAML_TEXT));
+    for (size_t i = 0; i < SSFR_COUNT(shapes) && !*out; i++) {
+        if (strcmp(shapes[i].name, word->text) == 0) *out = &shapes[i];
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", shapes[i].name);
+    }
+    if (!*out)
+        result = ssfr_yaml_fail(word, SSFR_ERR_UNKNOWN, "no shape %.80s: there are %s", word->text, list);
+end:
+    return result;
+}
+
+/* Rows with y along the axis, and the world's for an upright one. */
+static void set_axes(const double along[3], double axis[3][3])
+{
+    static const double x[3] = {1, 0, 0}, z[3] = {0, 0, 1};
+    const bool lies_along_z = fabs(along[2]) > 0.9;
+    memcpy(axis[1], along, sizeof axis[1]);
+    if (lies_along_z) {
+        ssfr_cross(x, along, axis[2]);
+        ssfr_normalize(axis[2]);
+        ssfr_cross(axis[1], axis[2], axis[0]);
+    } else {
+        ssfr_cross(along, z, axis[0]);
+        ssfr_normalize(axis[0]);
+        ssfr_cross(axis[0], axis[1], axis[2]);
+    }
+}
+
+/* Turns the axes about the world's x, then y, then z. */
+static void turn_axes(const double turn_deg[3], double axis[3][3])
+{
+    for (int k = 0; k < 3; k++) {
+        const double angle = turn_deg[k] * acos(-1) / 180, c = cos(angle), s = sin(angle);
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        for (int row = 0; row < 3; row++) {
+            const double a = axis[row][i], b = axis[row][j];
+            axis[row][i] = c * a - s * b;
+            axis[row][j] = s * a + c * b;
+        }
+    }
+}
+
+static ssfr_solid make_solid(const entry *e, ssfr_shape shape)
+{
+    ssfr_solid s = {.shape = shape, .inner = e->inner};
+    const bool round = shape == SSFR_CYLINDER || shape == SSFR_SPHERE;
+    memcpy(s.centre, e->centre, sizeof s.centre);
+    memcpy(s.colour, e->colour, sizeof s.colour);
+    for (int k = 0; k < 3; k++) s.half[k] = round ? e->radius : e->size[k] / 2;
+    if (shape == SSFR_CYLINDER) s.half[1] = e->height / 2;
+    set_axes(e->axis, s.axis);
+    turn_axes(e->turn_deg, s.axis);
+    return s;
+}
+
+/* Lines about a mesh begin with the place that names it. */
+static ssfr_result load_mesh(const ssfr_reading *r, const ssfr_yaml_node *node, ssfr_body *body)
+{
+    ssfr_result result = SSFR_OK;
+    char place[SSFR_YAML_PLACE];
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
+    SSFR_TRY(ssfr_reading_copy(&body->file, node->text[0] == '/' ? "" : r->folder, node->text));
+    ssfr_log_about(ssfr_yaml_place(node, place));
+    result = r->load_mesh(&body->mesh, body->file);
+    ssfr_log_about(NULL);
+    body->solid.mesh = body->mesh;
+end:
+    return result;
+}
+
+static ssfr_result read_body(const ssfr_reading *r, const ssfr_yaml_node *node, ssfr_body *body)
+{
+    static const double grey = 0.5; /* reflectance */
+    ssfr_result result = SSFR_OK;
+    entry e = {.axis = {0, 1, 0}, .colour = {grey, grey, grey}};
+    const struct shape *shape;
+    char what[SSFR_YAML_PLACE + 100], place[SSFR_YAML_PLACE];
+    SSFR_TRY(find_shape(node, &shape));
+    SSFR_TRY(ssfr_yaml_read_map(node, shape->rows, &e));
+    SSFR_TRY(ssfr_reading_copy(&body->name, "", node->name));
+    SSFR_TRY(ssfr_reading_find_motion(r, e.motion, &body->motion));
+    body->friction = e.friction;
+    body->hidden = e.hidden;
+    body->solid = make_solid(&e, shape->shape);
+    if (e.file) SSFR_TRY(load_mesh(r, e.file, body));
+    snprintf(what, sizeof what, "%s: %.80s", ssfr_yaml_place(node->key, place), node->name);
+    result = ssfr_solid_check(&body->solid, what);
+end:
+    return result;
+}
+
+ssfr_result ssfr_reading_solids(ssfr_reading *r)
+{
+    ssfr_result result = SSFR_OK;
+    int n = 0, n_drawn = 0;
+    SSFR_TRY(ssfr_reading_count(r->solids, SSFR_MAX_PARTS, &n));
+    SSFR_TRY(ssfr_alloc(&r->d.bodies, (size_t)n, sizeof *r->d.bodies, "solids"));
+    r->d.n_bodies = n;
+    for (int i = 0; i < n; i++) {
+        SSFR_TRY(read_body(r, r->solids->values[i], &r->d.bodies[i]));
+        n_drawn += !r->d.bodies[i].hidden;
+        if (n_drawn > SSFR_MAX_SOLIDS)
+            return ssfr_yaml_fail(r->solids->keys[i], SSFR_ERR_VALUE, "%.80s: more than %d solids that are not hidden",
+                                  r->solids->keys[i]->text, SSFR_MAX_SOLIDS);
+    }
+end:
+    return result;
+}
