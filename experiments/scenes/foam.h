@@ -2,7 +2,7 @@
 /* foam.h: spray, foam and bubbles beside a simulated fluid (Ihmsen, Akinci, Akinci and Teschner 2012).
  *
  * The same input gives the same bits for any number of threads: random numbers come from seed, particle and step.
- * A particle takes 49 bytes; beside that there are 44 bytes for each particle of the fluid. */
+ * A particle takes 49 bytes; beside that there are 44 for each particle of the fluid. */
 #ifndef SSFR_FOAM_H
 #define SSFR_FOAM_H
 
@@ -30,18 +30,18 @@ SSFR_MUST ssfr_result ssfr_foam_create(ssfr_foam **out, const ssfr_foam_params *
                                        uint64_t seed);
 void ssfr_foam_destroy(ssfr_foam **foam);
 
-/* Adds n particles, ids in their order: positions in m, world, velocities in m/s, lifetimes in s. They are spray until a
- * step finds what they are. Nothing is added when one is not finite, or when they exceed max_particles. */
+/* Adds n particles, ids in their order: m, world; m/s; s. They are spray until a step finds what they are. Nothing is
+ * added when one is not finite, or when they exceed max_particles. */
 SSFR_MUST ssfr_result ssfr_foam_add(ssfr_foam *foam, size_t n, const double *positions, const float *velocities,
                                     const float *lifetimes);
 
-/* The domain: closed sides (-x +x -y +y -z +z) are walls; what leaves by an open one is removed. Without a call there is
- * no end. */
+/* The domain: closed sides (-x +x -y +y -z +z) are walls; what leaves by an open one is removed. Without a call there
+ * is no end. */
 void ssfr_foam_bound(ssfr_foam *foam, const double lo[3], const double hi[3], const bool open[6]);
 
 /* Classifies, moves and ages by dt (s), then emits, with the fluid as it is at the step's end. At the limit
- * max_particles nobody gives way: those that find no room are left out, evenly over the fluid. Solids keep all out. Fails
- * with SSFR_ERR_VALUE for a malformed dt, and where ids or counts would no longer fit; nothing has then been emitted. */
+ * max_particles nobody gives way: of the new, those that find no room are left out, evenly over the fluid. Walls and
+ * solids keep all out. Fails with SSFR_ERR_VALUE for a malformed dt, and where counts or ids would no longer fit. */
 SSFR_MUST ssfr_result ssfr_foam_step(ssfr_foam *foam, const ssfr_fluid *fluid, double dt, int n_obstacles,
                                      const ssfr_obstacle *obstacles);
 
@@ -65,7 +65,8 @@ size_t ssfr_foam_count(const ssfr_foam *foam);
  * to be drawn with. */
 SSFR_MUST ssfr_result ssfr_foam_export(const ssfr_foam *foam, double radius, ssfr_particles **out);
 
-/* The state of foam made from the same parameters and seed: it goes on as if it had never stopped. */
+/* The state of foam made from the same parameters and seed: it goes on as if it had never stopped. After a reading that
+ * failed there are no particles. */
 SSFR_MUST ssfr_result ssfr_foam_write(const ssfr_foam *foam, FILE *file);
 SSFR_MUST ssfr_result ssfr_foam_read(ssfr_foam *foam, FILE *file);
 
