@@ -169,12 +169,11 @@ ssfr_result ssfr_csv_write(const ssfr_particles *set, const char *path)
     ssfr_result result = SSFR_OK;
     ssfr_sink sink;
     char radius[SSFR_NUMBER_TEXT] = "";
-    const bool as_double = !ssfr_floats_suffice(set);
     const int n_radius = set->radius > 0 ? snprintf(radius, sizeof radius, ",%.17g", set->radius) : 0;
     SSFR_TRY(ssfr_sink_begin(&sink, path, SSFR_ASCII));
     write_names(&sink, set);
     for (size_t i = 0; i < set->n; i++) {
-        ssfr_sink_position_text(&sink, set, i, as_double, ',');
+        ssfr_sink_position_text(&sink, set, i, ',');
         ssfr_sink_bytes(&sink, radius, (size_t)n_radius);
         for (size_t a = 0; a < SSFR_N_ARRAYS; a++) write_values(&sink, set, ssfr_arrays + a, i);
         ssfr_sink_bytes(&sink, "\n", 1);

@@ -87,13 +87,13 @@ void ssfr_sink_whole_text(ssfr_sink *sink, uint32_t value)
     ssfr_sink_bytes(sink, at, (size_t)(text + sizeof text - at));
 }
 
-void ssfr_sink_position_text(ssfr_sink *sink, const ssfr_particles *particles, size_t i, bool as_double, char separator)
+void ssfr_sink_position_text(ssfr_sink *sink, const ssfr_particles *particles, size_t i, char separator)
 {
     double at[3];
     ssfr_particles_position(particles, i, at);
     for (int k = 0; k < 3; k++) {
         if (k > 0) ssfr_sink_bytes(sink, &separator, 1);
-        put_number(sink, as_double ? at[k] : (double)(float)at[k], as_double ? DOUBLE_DIGITS : FLOAT_DIGITS);
+        put_number(sink, at[k], DOUBLE_DIGITS);
     }
 }
 

@@ -34,8 +34,7 @@ void ssfr_sink_float_text(ssfr_sink *sink, float value);
 void ssfr_sink_double_text(ssfr_sink *sink, double value);
 void ssfr_sink_whole_text(ssfr_sink *sink, uint32_t value);
 /* World position of particle i, m, with a separator between coordinates. */
-void ssfr_sink_position_text(ssfr_sink *sink, const ssfr_particles *particles, size_t i, bool as_double,
-                             char separator);
+void ssfr_sink_position_text(ssfr_sink *sink, const ssfr_particles *particles, size_t i, char separator);
 
 /* World position of particle i, m, as three doubles or floats; values of its array, 4 bytes each. */
 void ssfr_sink_position(ssfr_sink *sink, const ssfr_particles *particles, size_t i, bool as_double);

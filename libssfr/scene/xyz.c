@@ -154,11 +154,10 @@ ssfr_result ssfr_xyz_write(const ssfr_particles *set, const char *path)
 {
     ssfr_result result = SSFR_OK;
     ssfr_sink sink;
-    const bool as_double = !ssfr_floats_suffice(set);
     SSFR_TRY(ssfr_sink_begin(&sink, path, SSFR_ASCII));
     if (set->n == 0) ssfr_sink_text(&sink, "0\n\n");
     for (size_t i = 0; i < set->n; i++) {
-        ssfr_sink_position_text(&sink, set, i, as_double, ' ');
+        ssfr_sink_position_text(&sink, set, i, ' ');
         ssfr_sink_bytes(&sink, "\n", 1);
     }
 end:
