@@ -410,8 +410,8 @@ ssfr_result ssfr_yaml_read_real(const ssfr_yaml_node *node, const ssfr_yaml_row 
                                 node->text);
     else if ((row->min != 0 || row->max != 0) && (value < row->min || value > row->max))
         result = ssfr_yaml_fail(node, SSFR_ERR_VALUE, "%.80s: %.80s is out of range [%g, %g]%s%s", node->name,
-                                node->text, row->min, row->max, strcmp(row->unit, "1") ? " " : "",
-                                strcmp(row->unit, "1") ? row->unit : "");
+                                node->text, row->min, row->max, row->unit ? " " : "",
+                                row->unit ? row->unit : "");
     else
         *(double *)to = value;
 end:

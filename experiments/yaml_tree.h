@@ -61,7 +61,7 @@ struct ssfr_yaml_row {
     ssfr_yaml_read *read;
     size_t offset;            /* into what the map is read to */
     bool needed;
-    const char *unit;         /* of numbers; "1" for none */
+    const char *unit;         /* of numbers; NULL for none */
     double min, max;          /* closed; both 0: all finite numbers */
     const char *const *words; /* NULL-terminated */
     const ssfr_param *params;

@@ -4,6 +4,7 @@
 #include "base/param.h"
 
 #include <errno.h>
+#include <sys/stat.h>
 
 static const double default_rate = 30;   /* 1/s */
 static const double frame_slack = 1e-9;  /* frames that duration and rate may miss by rounding */
@@ -36,7 +37,7 @@ end:
 
 ssfr_result ssfr_reading_direction(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
-    const ssfr_yaml_row finite = {.name = row->name, .unit = "1", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH};
+    const ssfr_yaml_row finite = {.name = row->name, .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH};
     ssfr_result result = SSFR_OK;
     double v[3];
     SSFR_TRY(ssfr_yaml_read_real3(node, &finite, v));
@@ -132,14 +133,14 @@ static ssfr_result read_image(const ssfr_yaml_node *node, const ssfr_yaml_row *r
     ssfr_result result = SSFR_OK;
     ssfr_reading *r = to;
     char **path = strcmp(row->name, "environment") == 0 ? &r->d.environment : &r->d.background;
-    FILE *file = NULL;
+    struct stat info;
     SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
     SSFR_TRY(ssfr_reading_copy(path, node->text[0] == '/' ? "" : r->folder, node->text));
-    file = fopen(*path, "rb");
-    if (!file)
-        result = ssfr_yaml_fail(node, SSFR_ERR_IO, "%s: %.300s: %s", node->name, *path, strerror(errno));
+    errno = 0;
+    if (stat(*path, &info) != 0 || !S_ISREG(info.st_mode))
+        result = ssfr_yaml_fail(node, SSFR_ERR_IO, "%s: %.300s: %s", node->name, *path,
+                                errno ? strerror(errno) : "not a regular file");
 end:
-    if (file) fclose(file);
     return result;
 }
 
@@ -160,7 +161,7 @@ static ssfr_result read_foam(const ssfr_yaml_node *node, const ssfr_yaml_row *ro
 static const ssfr_yaml_row scene_rows[] = {
     ROW("title", read_title, d.title, .needed = true),
     REAL("radius", d.solver.radius, "m", SSFR_MIN_LENGTH, 1e3, .needed = true),
-    ROW("particles", ssfr_yaml_read_count, particles, .needed = true, .unit = "1", .min = 1, .max = SSFR_MAX_FLUID),
+    ROW("particles", ssfr_yaml_read_count, particles, .needed = true, .min = 1, .max = SSFR_MAX_FLUID),
     NODE("domain", domain, .needed = true),
     ROW("gravity", ssfr_yaml_read_real3, d.solver.gravity, .unit = "m/s^2", .min = -SSFR_MAX_SPEED,
         .max = SSFR_MAX_SPEED),
@@ -288,7 +289,7 @@ static ssfr_result parse(ssfr_description **out, const char *name, const char *t
                          ssfr_mesh_loader *load_mesh)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_reading r = {.d.scale = scale, .load_mesh = load_mesh};
+    ssfr_reading r = {.d.scale = scale, .load_mesh = load_mesh ? load_mesh : ssfr_mesh_load};
     ssfr_yaml *tree = NULL;
     *out = NULL;
     SSFR_TRY(ssfr_yaml_parse(&tree, name, "scene", text, size));

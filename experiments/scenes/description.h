@@ -109,7 +109,8 @@ typedef ssfr_result ssfr_mesh_loader(ssfr_mesh **out, const char *path);
 /* Reads and checks a scene file; every error names file, line and column. Paths in it are relative to its folder. */
 SSFR_MUST ssfr_result ssfr_description_load(ssfr_description **out, const char *path, ssfr_scale scale);
 /* The same from text, as if it were a file of that name; for the scenes inside the binary. load_mesh gets the paths of
- * meshes with the folder of `name` before them: "akinci2013/ship.obj" for ship.obj of "akinci2013/wake". */
+ * meshes with the folder of `name` before them: "akinci2013/ship.obj" for ship.obj of "akinci2013/wake". NULL:
+ * ssfr_mesh_load. */
 SSFR_MUST ssfr_result ssfr_description_parse(ssfr_description **out, const char *name, const char *text,
                                              ssfr_scale scale, ssfr_mesh_loader *load_mesh);
 void ssfr_description_destroy(ssfr_description **description);

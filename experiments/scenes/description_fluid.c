@@ -49,7 +49,7 @@ static ssfr_result read_pool(ssfr_reading *r, const ssfr_yaml_node *node, ssfr_p
         SSFR_YAML_ROW("lo", ssfr_yaml_read_real3, ssfr_pool, lo, .needed = true, PLACE),
         SSFR_YAML_ROW("hi", ssfr_yaml_read_real3, ssfr_pool, hi, .needed = true, PLACE),
         SSFR_YAML_ROW("velocity", ssfr_yaml_read_real3, ssfr_pool, velocity, SPEED),
-        SSFR_YAML_ROW("count", ssfr_yaml_read_count, ssfr_pool, count, .unit = "1", .min = 1, .max = SSFR_MAX_FLUID),
+        SSFR_YAML_ROW("count", ssfr_yaml_read_count, ssfr_pool, count, .min = 1, .max = SSFR_MAX_FLUID),
         SSFR_YAML_ROW_END,
     };
     ssfr_result result = SSFR_OK;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* description_solids.c: reading the domain, the solids and their motions. */
 #include "experiments/scenes/description_read.h"
+#include "scene/mesh.h"
 
 static const double max_cells = 1 << 20; /* of the neighbour grid along an axis; a cell is a support wide */
 
@@ -8,7 +9,8 @@ static const double max_cells = 1 << 20; /* of the neighbour grid along an axis;
 #define PLACE .unit = "m", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH
 #define TIME .unit = "s", .min = 0, .max = SSFR_MAX_TIME
 #define ANGLE .unit = "deg", .min = -1e6, .max = 1e6
-#define SHARE .unit = "1", .min = 0, .max = 1
+#define FACTOR .min = 1e-6, .max = 1e6
+#define SHARE .min = 0, .max = 1
 
 /* ---- the domain -------------------------------------------------------------------------------------------------- */
 
@@ -142,7 +144,7 @@ typedef struct entry { /* a solid as it is written */
     double radius, inner, height;
     double axis[3];             /* unit */
     double turn_deg[3];
-    double colour[3], friction;
+    double colour[3], friction, scale;
     bool hidden;
     const ssfr_yaml_node *motion, *file;
 } entry;
@@ -168,8 +170,12 @@ static const ssfr_yaml_row tube_rows[] = {COMMON, CENTRE, RADIUS, INNER, HEIGHT,
 static const ssfr_yaml_row sphere_rows[] = {COMMON, CENTRE, RADIUS, SSFR_YAML_ROW_END};
 static const ssfr_yaml_row plane_rows[] = {COMMON, CENTRE, ROW("normal", ssfr_reading_direction, axis),
                                            SSFR_YAML_ROW_END};
-static const ssfr_yaml_row mesh_rows[] = {COMMON, ROW("file", ssfr_yaml_read_node, file, .needed = true),
-                                          ROW("centre", ssfr_yaml_read_real3, centre, PLACE), TURN, SSFR_YAML_ROW_END};
+static const ssfr_yaml_row mesh_rows[] = {COMMON,
+                                          ROW("file", ssfr_yaml_read_node, file, .needed = true),
+                                          ROW("scale", ssfr_yaml_read_real, scale, FACTOR),
+                                          ROW("centre", ssfr_yaml_read_real3, centre, PLACE),
+                                          TURN,
+                                          SSFR_YAML_ROW_END};
 
 static const struct shape {
     const char *name;
@@ -248,7 +254,7 @@ static ssfr_solid make_solid(const entry *e, ssfr_shape shape)
 }
 
 /* Lines about a mesh begin with the place that names it. */
-static ssfr_result load_mesh(const ssfr_reading *r, const ssfr_yaml_node *node, ssfr_body *body)
+static ssfr_result load_mesh(const ssfr_reading *r, const ssfr_yaml_node *node, double scale, ssfr_body *body)
 {
     ssfr_result result = SSFR_OK;
     char place[SSFR_YAML_PLACE];
@@ -257,6 +263,12 @@ static ssfr_result load_mesh(const ssfr_reading *r, const ssfr_yaml_node *node, 
     ssfr_log_about(ssfr_yaml_place(node, place));
     result = r->load_mesh(&body->mesh, body->file);
     ssfr_log_about(NULL);
+    if (result != SSFR_OK) goto end;
+    if (scale != 1) ssfr_mesh_scale(body->mesh, scale);
+    for (int k = 0; k < 3; k++)
+        if (fmax(-body->mesh->lo[k], body->mesh->hi[k]) > SSFR_MAX_LENGTH)
+            return ssfr_yaml_fail(node, SSFR_ERR_VALUE, "%.80s: reaches from %g to %g m along %c", body->file,
+                                  body->mesh->lo[k], body->mesh->hi[k], "xyz"[k]);
     body->solid.mesh = body->mesh;
 end:
     return result;
@@ -266,7 +278,7 @@ static ssfr_result read_body(const ssfr_reading *r, const ssfr_yaml_node *node, 
 {
     static const double grey = 0.5; /* reflectance */
     ssfr_result result = SSFR_OK;
-    entry e = {.axis = {0, 1, 0}, .colour = {grey, grey, grey}};
+    entry e = {.axis = {0, 1, 0}, .colour = {grey, grey, grey}, .scale = 1};
     const struct shape *shape;
     char what[SSFR_YAML_PLACE + 100], place[SSFR_YAML_PLACE];
     SSFR_TRY(find_shape(node, &shape));
@@ -276,7 +288,7 @@ static ssfr_result read_body(const ssfr_reading *r, const ssfr_yaml_node *node, 
     body->friction = e.friction;
     body->hidden = e.hidden;
     body->solid = make_solid(&e, shape->shape);
-    if (e.file) SSFR_TRY(load_mesh(r, e.file, body));
+    if (e.file) SSFR_TRY(load_mesh(r, e.file, e.scale, body));
     snprintf(what, sizeof what, "%s: %.80s", ssfr_yaml_place(node->key, place), node->name);
     result = ssfr_solid_check(&body->solid, what);
 end:

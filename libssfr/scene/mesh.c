@@ -274,6 +274,14 @@ ssfr_result ssfr_mesh_create(ssfr_mesh **out, size_t n_vertices, const double *v
     return ssfr_mesh_make(out, "mesh", n_vertices, vertices, n_triangles, triangles);
 }
 
+void ssfr_mesh_scale(ssfr_mesh *mesh, double factor)
+{
+    for (size_t i = 0; i < 9 * mesh->n_triangles; i++) mesh->corners[i / 9][i / 3 % 3][i % 3] *= factor;
+    for (size_t i = 0; i < mesh->n_nodes; i++)
+        for (int k = 0; k < 3; k++) mesh->nodes[i].lo[k] *= factor, mesh->nodes[i].hi[k] *= factor;
+    for (int k = 0; k < 3; k++) mesh->lo[k] *= factor, mesh->hi[k] *= factor;
+}
+
 void ssfr_mesh_destroy(ssfr_mesh **mesh)
 {
     if (*mesh) free((*mesh)->corners), free((*mesh)->normals), free((*mesh)->nodes);

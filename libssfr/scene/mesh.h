@@ -40,6 +40,9 @@ struct ssfr_mesh {
 SSFR_MUST ssfr_result ssfr_mesh_make(ssfr_mesh **out, const char *what, size_t n_vertices, const double *vertices,
                                      size_t n_triangles, const uint32_t *triangles);
 
+/* Makes a mesh that nobody has drawn yet larger, or smaller; factor > 0. */
+void ssfr_mesh_scale(ssfr_mesh *mesh, double factor);
+
 /* Sorts the mesh's triangles into a new tree. */
 SSFR_MUST ssfr_result ssfr_mesh_grow_tree(ssfr_mesh *mesh);
 
