@@ -56,13 +56,15 @@ enum {
     SSFR_HOLDS_DOUBLES = 1, /* positions that floats would change as doubles */
     SSFR_HOLDS_RADIUS = 2,
     SSFR_HOLDS_ARRAYS = 4, /* all of SSFR_ATTRIBUTES */
-    SSFR_HOLDS_ALL = SSFR_HOLDS_DOUBLES | SSFR_HOLDS_RADIUS | SSFR_HOLDS_ARRAYS,
+    SSFR_HOLDS_UINT32 = 8, /* whole numbers above INT32_MAX, which else are refused */
+    SSFR_HOLDS_ALL = 15,
 };
 
 #define X(ending, reader, writer, holds, help) ssfr_reader reader;
 #include "scene/formats.def"
 #undef X
-ssfr_writer ssfr_hdf5_write, ssfr_ply_write, ssfr_vtk_write, ssfr_pos_write, ssfr_csv_write, ssfr_xyz_write;
+ssfr_writer ssfr_hdf5_write, ssfr_ply_write, ssfr_vtk_write, ssfr_pos_write, ssfr_csv_write, ssfr_xyz_write,
+            ssfr_bgeo_write;
 
 enum { SSFR_READ_MAX_GIB = 8 };
 #define SSFR_READ_MAX ((size_t)SSFR_READ_MAX_GIB << 30) /* bytes, the largest file that is read whole */
