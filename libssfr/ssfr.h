@@ -272,6 +272,27 @@ SSFR_API size_t ssfr_weber_bytes(const ssfr_weber *weber); /* memory held */
 SSFR_API SSFR_MUST ssfr_result ssfr_weber_threshold(const ssfr_particles *particles, const ssfr_weber_params *params,
                                                     double share, double *threshold);
 
+/* Ellipsoids in place of spheres, after the spread of each particle's neighbours (Yu and Turk 2013, which Imai 2016
+ * uses): flat where the liquid is flat. */
+typedef struct ssfr_anisotropy_params {
+    double search; /* how far neighbours count, in particle radii; 4: the support, twice the smoothing length */
+    double lambda; /* how far a centre moves towards its neighbours' mean, [0, 1] */
+    double k_r;    /* the longest semi-axis over the shortest, at most, from 1 */
+    double k_s;    /* size: at 1 a particle amid others keeps its volume, its semi-axes are its radius */
+    double k_n;    /* semi-axes of a particle with few neighbours, in radii */
+    double k_max;  /* the longest semi-axis, in radii */
+    int n_eps;     /* up to so many neighbours are few */
+} ssfr_anisotropy_params;
+
+SSFR_API ssfr_anisotropy_params ssfr_anisotropy_defaults(void);
+
+/* The ellipsoid of particle i is centre + radius A u for |u| <= 1. Fills centre[3 n] (m, relative to the particle's
+ * packet's centre) and shape[6 n] (the symmetric positive A as xx, xy, xz, yy, yz, zz, in particle radii, world axes).
+ * The same bits for any number of threads. params NULL: the defaults. Needs a radius. */
+SSFR_API SSFR_MUST ssfr_result ssfr_particles_anisotropy(const ssfr_particles *particles,
+                                                         const ssfr_anisotropy_params *params, float *centre,
+                                                         float *shape);
+
 /* ---- scene: what a frame shows --------------------------------------------------------------------------------- */
 
 /* A closed surface of triangles, in metres. */
