@@ -149,6 +149,8 @@ static void write_graph(FILE *file, const ssfr_graph *graph, const ssfr_record *
     ssfr_json_number(&json, "image_bytes", report->image_bytes);
     ssfr_json_integer(&json, "allocations", report->allocations);
     ssfr_json_integer(&json, "particles_in_view", report->n_particles);
+    ssfr_json_integer(&json, "packets", report->n_packets);
+    ssfr_json_integer(&json, "packets_in_view", report->n_packets_seen);
     ssfr_json_number(&json, "covered", report->covered);
     ssfr_json_object(&json, "frame");
     ssfr_record_json(record, &json);

@@ -485,6 +485,8 @@ typedef struct ssfr_report {
     double image_bytes;  /* held by the graph's images, copies of fields given included, the host's textures not */
     long allocations;    /* images and buffers allocated by the last run: 0 after the first of a kind */
     int n_particles;     /* in packets that touch the view */
+    int n_packets;       /* of all particles; a host's buffer counts as if cut into packets, all in view */
+    int n_packets_seen;  /* that touch the view; all with keep_all */
     double covered;      /* share of the image's tiles that may hold fluid, [0, 1] */
 } ssfr_report;
 

@@ -861,6 +861,36 @@ static void the_report_counts_and_times(void **state)
     test_scene_destroy(&s);
 }
 
+/* Heaps of as many particles as a packet holds, each with a packet of its own. */
+static void the_report_counts_the_packets_that_culling_leaves(void **state)
+{
+    ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+    const ssfr_report *report = ssfr_graph_report(graph);
+    const double heaps[][3] = {{0.05, 0.3, 0}, {0.2, 0.1, 0}, {-0.2, 0.2, 0.1}, {0, 0.3, 5}, {5, 0.3, 0}, {-5, 4, -1}};
+    enum { HEAPS = SSFR_COUNT(heaps), SEEN = 3 };
+    double positions[3 * SSFR_PACKET * HEAPS];
+    uint64_t seed = 2385;
+    for (int i = 0; i < SSFR_PACKET * HEAPS; i++)
+        for (int k = 0; k < 3; k++)
+            positions[3 * i + k] = heaps[i / SSFR_PACKET][k] + test_random(&seed, -0.01, 0.01);
+    test_scene s;
+    test_scene_create(&s, SSFR_PACKET * HEAPS, positions, 0.02);
+    test_scene_look(&s, (double[3]){0.1, 0.6, 1.4}, (double[3]){0, 0.2, 0}, 45, 64, 48);
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    assert_int_equal(report->n_packets, HEAPS);
+    assert_int_equal(report->n_packets_seen, SEEN);
+    assert_int_equal(report->n_particles, SEEN * SSFR_PACKET);
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, &(ssfr_run_options){.keep_all = true}), SSFR_OK);
+    assert_int_equal(report->n_packets_seen, HEAPS);
+    assert_int_equal(report->n_particles, HEAPS * SSFR_PACKET);
+    s.scene.particles = NULL;
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    assert_int_equal(report->n_packets, 0);
+    assert_int_equal(report->n_packets_seen, 0);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 /* ---- a host's things without a host ------------------------------------------------------------------------------ */
 
 static void a_hosts_things_need_a_hosts_context(void **state)
@@ -952,6 +982,7 @@ int main(void)
         cmocka_unit_test(both_backends_draw_the_same_picture),
         ON_BOTH(the_report_says_what_ran_and_why_not),
         ON_BOTH(the_report_counts_and_times),
+        ON_BOTH(the_report_counts_the_packets_that_culling_leaves),
         ON_BOTH(a_hosts_things_need_a_hosts_context),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_shared_gl_destroy);

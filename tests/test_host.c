@@ -427,6 +427,7 @@ static void the_hosts_particles_are_drawn_as_ours_are(void **state)
         ssfr_field *got = test_graph_picture(r.graph, &r.s.scene, "color", false);
         if (!(test_psnr(got, expected) > (i < 3 ? 60 : 50))) fail_msg("case %d: %g dB", i, test_psnr(got, expected));
         assert_int_equal(ssfr_graph_report(r.graph)->n_particles, 432);
+        assert_int_equal(ssfr_graph_report(r.graph)->n_packets_seen, (432 + SSFR_PACKET - 1) / SSFR_PACKET);
         ssfr_field *again = test_graph_picture(r.graph, &r.s.scene, "color", true);
         assert_int_equal(test_n_different(got, again), 0);
         assert_int_equal(ssfr_graph_run(r.graph, &r.s.scene, NULL), SSFR_OK);

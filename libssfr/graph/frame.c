@@ -202,6 +202,7 @@ static void add_packet(ssfr_frame *frame, size_t i)
         facts->count[facts->n_ranges++] = n;
     }
     facts->n_particles += (size_t)n;
+    facts->n_packets++;
 }
 
 static void list_tiles(ssfr_facts *facts)
@@ -234,7 +235,7 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
     ssfr_facts *facts = &frame->facts;
     double nearest = INFINITY;
     int lo[2], hi[2];
-    facts->n_particles = 0;
+    facts->n_particles = facts->n_packets = 0;
     facts->n_ranges = 0;
     memset(facts->mask, keep_all, (size_t)facts->tiles_x * (size_t)facts->tiles_y);
     for (size_t i = 0; i < frame->n_packets; i++) {
@@ -410,6 +411,7 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     SSFR_TRY(reserve(frame, grew));
     for (size_t i = 0; i < frame->n_packets; i++) eye_from_world(frame, origin, frame->offset[i]);
     frame->facts.n_particles = n;
+    frame->facts.n_packets = frame->n_packets;
     frame->facts.n_ranges = n > 0;
     if (n) frame->facts.first[0] = 0, frame->facts.count[0] = (int)n;
     frame->facts.fluid = n > 0;

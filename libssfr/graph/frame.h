@@ -62,6 +62,7 @@ typedef struct ssfr_block {
 /* Counted once a frame, on the CPU, from packets: every number is a safe bound. */
 typedef struct ssfr_facts {
     size_t n_particles;   /* in packets that touch the view */
+    size_t n_packets;     /* that touch the view */
     bool fluid;           /* false: nothing in view is fluid, for there is no particle and no depth of it is given */
     double nearest;       /* m, no particle's surface in view is nearer to the eye plane; >= the camera's near */
     double mean;          /* m, mean distance of the particles in view from the eye plane; >= near */

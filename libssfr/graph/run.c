@@ -413,6 +413,8 @@ end:
     graph->report.wall_ms = 1e3 * (ssfr_clock() - start);
     graph->report.allocations = graph->grew > 0 || !graph->gl ? graph->grew : ssfr_gl_allocations(graph->gl) - before;
     graph->report.n_particles = (int)graph->frame.facts.n_particles;
+    graph->report.n_packets = (int)graph->frame.n_packets;
+    graph->report.n_packets_seen = (int)graph->frame.facts.n_packets;
     graph->report.covered = graph->frame.facts.covered;
     graph->report.image_bytes = image_bytes(graph);
     return result;
