@@ -293,7 +293,9 @@ ssfr_result ssfr_yaml_parse(ssfr_yaml **out, const char *path, const char *what,
         return ssfr_fail(SSFR_ERR_VALUE, "%s:1:1: %zu bytes, a %s has at most %d", path, size, what, SSFR_YAML_FILE);
     if (!yaml_parser_initialize(&b.parser))
         return ssfr_fail(SSFR_ERR_MEMORY, "%s: no memory for a YAML parser", path);
-    yaml_parser_set_input_string(&b.parser, (const unsigned char *)text, size);
+    const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* of byte order: UTF-8 it must be */
+    text += mark;
+    yaml_parser_set_input_string(&b.parser, (const unsigned char *)text, size - mark);
     yaml_parser_set_encoding(&b.parser, YAML_UTF8_ENCODING);
     SSFR_TRY(new_tree(&b.tree, path, what));
     SSFR_TRY(build(&b, text));
