@@ -3,7 +3,7 @@
  *
  * A name may carry its unit, "x [m]", which must be ours. Cells are parted by commas, semicolons, tabs or blanks: by
  * whichever is most frequent in the line of names. */
-#include "scene/table.h"
+#include "scene/sheet.h"
 #include "scene/writer.h"
 
 #include <ctype.h>
@@ -51,17 +51,17 @@ static const char *cut_unit(char *name)
     return open + 1;
 }
 
-static ssfr_result add_column(ssfr_rows *r, ssfr_table *table, char *name)
+static ssfr_result add_column(ssfr_rows *r, ssfr_sheet *table, size_t line, char *name)
 {
     ssfr_result result = SSFR_OK;
     char where[SSFR_FOUND], found[SSFR_FOUND];
     const char *unit = cut_unit(name);
-    const ssfr_column column = ssfr_column_find(name);
+    const ssfr_sheet_column column = ssfr_sheet_column_find(name);
     const char *expected = column.place == SSFR_PLACE_NONE ? unit : ssfr_place_unit(column.place);
     if (unit[0] && strcmp(unit, expected) != 0)
-        return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: %s: expected units \"%s\", found \"%s\"", r->path, r->line,
+        return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: %s: expected units \"%s\", found \"%s\"", r->path, line,
                          ssfr_printable(name, where), expected, ssfr_printable(unit, found));
-    SSFR_TRY(ssfr_table_add(table, r->path, name, column));
+    SSFR_TRY(ssfr_sheet_add(table, r->path, name, column));
     SSFR_TRY(ssfr_rows_add(r, column, name));
 end:
     return result;
@@ -96,7 +96,7 @@ static ssfr_result next_name(ssfr_rows *r, char **name, bool *more)
 }
 
 /* The line of names, which may begin with # as NumPy writes it, and the file with a mark of UTF-8. */
-static ssfr_result read_names(ssfr_rows *r, ssfr_table *table)
+static ssfr_result read_names(ssfr_rows *r, ssfr_sheet *table)
 {
     static const char mark[] = "\xef\xbb\xbf";
     ssfr_result result = SSFR_OK;
@@ -105,9 +105,10 @@ static ssfr_result read_names(ssfr_rows *r, ssfr_table *table)
     bool more = ssfr_rows_more(r);
     if (more && *r->at == '#') r->at++;
     r->separator = find_separator(r);
+    const size_t line = r->line;
     while (more) {
         SSFR_TRY(next_name(r, &name, &more));
-        SSFR_TRY(add_column(r, table, name));
+        SSFR_TRY(add_column(r, table, line, name));
     }
     tell_skipped(r);
 end:
@@ -120,15 +121,15 @@ ssfr_result ssfr_csv_read(ssfr_reading *reading)
     char *file = NULL;
     size_t n = 0;
     ssfr_stream stream;
-    ssfr_table table = {.reading = reading};
+    ssfr_sheet table = {.reading = reading};
     ssfr_rows rows = {.path = reading->path, .line = 1, .separator = ','};
     SSFR_TRY(ssfr_stream_open(&stream, reading->path, &file));
     rows.at = stream.at;
     rows.end = stream.end;
     SSFR_TRY(read_names(&rows, &table));
-    SSFR_TRY(ssfr_table_begin(&table, reading->path, ssfr_rows_most(&rows)));
+    SSFR_TRY(ssfr_sheet_begin(&table, reading->path, ssfr_rows_most(&rows)));
     while (ssfr_rows_more(&rows)) SSFR_TRY(ssfr_rows_read(&rows, &table, n++));
-    ssfr_table_end(&table, n);
+    ssfr_sheet_end(&table, n);
 end:
     free(file);
     return result;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* ply.c: reads PLY particles (the vertex element, properties by name) and writes them as binary little-endian ones. */
 #include "scene/ply_file.h"
-#include "scene/table.h"
+#include "scene/sheet.h"
 #include "scene/writer.h"
 
 typedef struct vertices {
-    ssfr_table table;
+    ssfr_sheet table;
     const ssfr_ply_property *first;
-    ssfr_column columns[SSFR_PLY_PROPERTIES]; /* of the properties from `first` on */
+    ssfr_sheet_column columns[SSFR_PLY_PROPERTIES]; /* of the properties from `first` on */
 } vertices;
 
 /* "particle radius 0.02 m" is a convention; a text of another form, or in another unit, is a mere comment. */
@@ -25,7 +25,7 @@ static ssfr_result put(void *user, const ssfr_ply_property *q, size_t i, size_t 
 {
     vertices *v = user;
     (void)k, (void)n; /* no list has a column */
-    return ssfr_table_put(&v->table, v->columns[q - v->first], i, value);
+    return ssfr_sheet_put(&v->table, v->columns[q - v->first], i, value);
 }
 
 /* Makes the arrays that the vertex has. */
@@ -35,10 +35,10 @@ static ssfr_result make_table(const ssfr_ply *p, const ssfr_ply_element *vertex,
     v->first = p->properties + vertex->first;
     for (int k = 0; k < vertex->n_properties; k++) {
         const ssfr_ply_property *q = v->first + k;
-        v->columns[k] = q->list ? (ssfr_column){SSFR_PLACE_NONE, 0} : ssfr_column_find(q->name);
-        SSFR_TRY(ssfr_table_add(&v->table, p->path, q->name, v->columns[k]));
+        v->columns[k] = q->list ? (ssfr_sheet_column){SSFR_PLACE_NONE, 0} : ssfr_sheet_column_find(q->name);
+        SSFR_TRY(ssfr_sheet_add(&v->table, p->path, q->name, v->columns[k]));
     }
-    SSFR_TRY(ssfr_table_begin(&v->table, p->path, vertex->n));
+    SSFR_TRY(ssfr_sheet_begin(&v->table, p->path, vertex->n));
 end:
     return result;
 }
@@ -55,7 +55,7 @@ static ssfr_result read_body(ssfr_ply *p, vertices *v)
     SSFR_TRY(ssfr_ply_check_size(p, vertex, "particles"));
     SSFR_TRY(make_table(p, vertex, v));
     SSFR_TRY(ssfr_ply_read_instances(p, vertex, put, v));
-    ssfr_table_end(&v->table, vertex->n);
+    ssfr_sheet_end(&v->table, vertex->n);
     if (vertex + 1 == end_of_elements) SSFR_TRY(ssfr_ply_check_end(p));
 end:
     return result;

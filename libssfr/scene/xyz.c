@@ -4,14 +4,14 @@
  * Read are bare lines, after lines of # or //, and the form of chemistry: a count, a comment, then lines of a word and
  * x y z, or of the columns that Properties=species:S:1:pos:R:3:velo:R:3 in the comment says. Other columns are skipped.
  * Written are bare lines, which MeshLab, CloudCompare and Open3D read; no particles at all are a count of 0. */
-#include "scene/table.h"
+#include "scene/sheet.h"
 #include "scene/writer.h"
 
 #include <ctype.h>
 
 typedef struct xyz {
     ssfr_rows rows;
-    ssfr_table table;
+    ssfr_sheet table;
     bool counted;
     size_t n; /* that were announced, or that the file can hold */
 } xyz;
@@ -41,16 +41,18 @@ static ssfr_result add_property(xyz *x, const char *name, const char *type, cons
     ssfr_result result = SSFR_OK;
     size_t n = 0;
     char text[SSFR_FOUND];
-    if (!type || !count || !strchr("RISL", type[0]) || type[1] || !ssfr_parse_count(count, &n))
+    if (!type || !count || !type[0] || !strchr("RISL", type[0]) || type[1] || !ssfr_parse_count(count, &n))
         return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: Properties: expected name:type:count, found \"%s\"", x->rows.path,
                          x->rows.line - 1, ssfr_printable(name, text));
-    const int place = strchr("RI", type[0]) ? ssfr_place_find(name) : SSFR_PLACE_NONE;
-    const bool whole = place != SSFR_PLACE_NONE && ssfr_place_count(place) == n;
-    for (size_t k = 0; k < n && result == SSFR_OK; k++) {
-        const ssfr_column column = {whole ? place : SSFR_PLACE_NONE, k};
-        result = ssfr_table_add(&x->table, x->rows.path, name, column);
-        if (result == SSFR_OK) result = ssfr_rows_add(&x->rows, column, name);
+    const int place = ssfr_place_find(name);
+    const bool number = strchr("RI", type[0]), whole = place != SSFR_PLACE_NONE && ssfr_place_count(place) == n;
+    for (size_t k = 0; k < n; k++) {
+        ssfr_sheet_column column = whole ? (ssfr_sheet_column){place, k} : ssfr_sheet_column_find(n == 1 ? name : "");
+        if (!number) column.place = SSFR_PLACE_NONE;
+        SSFR_TRY(ssfr_sheet_add(&x->table, x->rows.path, name, column));
+        SSFR_TRY(ssfr_rows_add(&x->rows, column, name));
     }
+end:
     return result;
 }
 
@@ -95,8 +97,8 @@ static ssfr_result guess_columns(xyz *x)
     const size_t first = !number || (x->counted && n > 3);
     for (size_t k = 0; k < n; k++) {
         const bool known = k >= first && k < first + 3;
-        const ssfr_column column = {known ? SSFR_PLACE_POSITION : SSFR_PLACE_NONE, known ? k - first : 0};
-        SSFR_TRY(ssfr_table_add(&x->table, r->path, "position", column));
+        const ssfr_sheet_column column = {known ? SSFR_PLACE_POSITION : SSFR_PLACE_NONE, known ? k - first : 0};
+        SSFR_TRY(ssfr_sheet_add(&x->table, r->path, "position", column));
         SSFR_TRY(ssfr_rows_add(r, column, NULL));
     }
 end:
@@ -121,7 +123,7 @@ static ssfr_result read_head(xyz *x)
     if (x->n > ssfr_rows_most(r))
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: %zu particles are announced, but %zu bytes follow", r->path, x->n,
                          (size_t)(r->end - r->at));
-    SSFR_TRY(ssfr_table_begin(&x->table, r->path, x->n));
+    SSFR_TRY(ssfr_sheet_begin(&x->table, r->path, x->n));
 end:
     return result;
 }
@@ -144,7 +146,7 @@ ssfr_result ssfr_xyz_read(ssfr_reading *reading)
     else if (x.rows.at < x.rows.end)
         result = ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s:%zu: the file goes on after its %zu particles: one frame a file",
                            reading->path, x.rows.line, x.n);
-    ssfr_table_end(&x.table, n);
+    ssfr_sheet_end(&x.table, n);
 end:
     free(file);
     return result;

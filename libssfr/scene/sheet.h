@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* table.h: particle files that are tables, a particle a row: which column is which number, and rows of text. */
-#ifndef SSFR_TABLE_H
-#define SSFR_TABLE_H
+/* sheet.h: particle files that are tables, a particle a row: which column is which number, and rows of text. */
+#ifndef SSFR_SHEET_H
+#define SSFR_SHEET_H
 
 #include "scene/reader.h"
 
@@ -15,43 +15,41 @@ enum {
     SSFR_N_PLACES
 };
 
-typedef struct ssfr_column {
+typedef struct ssfr_sheet_column {
     int place;
     size_t component;
-} ssfr_column;
+} ssfr_sheet_column;
 
-/* The column of a name, in any case: "x", "Points:0", "position_y", "vx", "Velocity[2]", "rho", "radius" and the like. */
-ssfr_column ssfr_column_find(const char *name);
+/* The column of a name, in any case: "x", "Points:0", "position_y", "vx", "Velocity[2]", "rho", "radius" and so on. */
+ssfr_sheet_column ssfr_sheet_column_find(const char *name);
 /* The place of a whole vector or number ("pos", "velocity", "id", "radius"), or SSFR_PLACE_NONE. */
 int ssfr_place_find(const char *name);
 size_t ssfr_place_count(int place);       /* values a particle */
 const char *ssfr_place_unit(int place); /* "m" */
 
-typedef struct ssfr_table {
+typedef struct ssfr_sheet {
     ssfr_reading *reading;
     unsigned components[SSFR_N_PLACES]; /* that have a column, bit k is component k */
     ssfr_target targets[SSFR_N_PLACES];
     double least, most; /* m, of the radii */
-} ssfr_table;
+} ssfr_sheet;
 
 /* Takes note of a column, which must be the only one for its number. `where` starts the error lines: a file, a line. */
-SSFR_MUST ssfr_result ssfr_table_add(ssfr_table *table, const char *where, const char *name, ssfr_column column);
+SSFR_MUST ssfr_result ssfr_sheet_add(ssfr_sheet *table, const char *where, const char *name, ssfr_sheet_column column);
 /* Makes room for n particles when all columns were added: a position must be whole, and so must other vectors. */
-SSFR_MUST ssfr_result ssfr_table_begin(ssfr_table *table, const char *where, size_t n);
-/* When n particles were put, which may be fewer. The radius is that of all, if they have one and nothing else said it. */
-void ssfr_table_end(ssfr_table *table, size_t n);
+SSFR_MUST ssfr_result ssfr_sheet_begin(ssfr_sheet *table, const char *where, size_t n);
+/* When n particles were put, which may be fewer. Their radius is the reading's if all have the same and it has none. */
+void ssfr_sheet_end(ssfr_sheet *table, size_t n);
 
-static inline ssfr_result ssfr_table_put(ssfr_table *t, ssfr_column column, size_t i, double value)
+SSFR_MUST ssfr_result ssfr_table_put_radius(ssfr_sheet *table, size_t i, double value);
+
+/* Stores a column's value of particle i. */
+static inline ssfr_result ssfr_sheet_put(ssfr_sheet *t, ssfr_sheet_column column, size_t i, double value)
 {
-    ssfr_result result = SSFR_OK;
-    if (column.place == SSFR_PLACE_RADIUS) {
-        if (i == 0 || !(value >= t->least)) t->least = value; /* a NaN stays */
-        if (i == 0 || value > t->most) t->most = value;
-    } else if (column.place != SSFR_PLACE_NONE) {
-        const ssfr_target *target = t->targets + column.place;
-        result = ssfr_target_put(t->reading, target, target->count * i + column.component, value);
-    }
-    return result;
+    if (column.place == SSFR_PLACE_NONE) return SSFR_OK;
+    if (column.place == SSFR_PLACE_RADIUS) return ssfr_table_put_radius(t, i, value);
+    const ssfr_target *target = t->targets + column.place;
+    return ssfr_target_put(t->reading, target, target->count * i + column.component, value);
 }
 
 /* ---- rows of text ------------------------------------------------------------------------------------------------ */
@@ -64,11 +62,11 @@ typedef struct ssfr_rows {
     size_t line;          /* of at, from 1 */
     char separator;       /* ',', ';', a tab, or ' ' for any number of blanks and tabs */
     size_t n_columns;
-    ssfr_column columns[SSFR_MAX_COLUMNS];
+    ssfr_sheet_column columns[SSFR_MAX_COLUMNS];
     const char *names[SSFR_MAX_COLUMNS]; /* for error lines; NULL: the place's */
 } ssfr_rows;
 
-SSFR_MUST ssfr_result ssfr_rows_add(ssfr_rows *rows, ssfr_column column, const char *name);
+SSFR_MUST ssfr_result ssfr_rows_add(ssfr_rows *rows, ssfr_sheet_column column, const char *name);
 /* Goes to the next line that is not blank; false when there is none. */
 bool ssfr_rows_more(ssfr_rows *rows);
 void ssfr_rows_skip_blanks(ssfr_rows *rows);
@@ -79,6 +77,6 @@ void ssfr_rows_skip_line(ssfr_rows *rows);
 /* At least the number of rows that follow, and not much more than the file's size. */
 size_t ssfr_rows_most(const ssfr_rows *rows);
 /* Reads particle i from the line here, which must have as many cells as there are columns. */
-SSFR_MUST ssfr_result ssfr_rows_read(ssfr_rows *rows, ssfr_table *table, size_t i);
+SSFR_MUST ssfr_result ssfr_rows_read(ssfr_rows *rows, ssfr_sheet *table, size_t i);
 
 #endif

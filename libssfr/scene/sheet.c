@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* table.c: particle files that are tables, a particle a row: which column is which number, and rows of text. */
-#include "scene/table.h"
+/* sheet.c: particle files that are tables, a particle a row: which column is which number, and rows of text. */
+#include "scene/sheet.h"
 
 #include <ctype.h>
 #include <strings.h>
@@ -31,14 +31,16 @@ const char *ssfr_place_unit(int place)
 
 static const char *place_name(int place)
 {
-    return place == SSFR_PLACE_POSITION ? "position" : place == SSFR_PLACE_RADIUS ? "radius" : ssfr_arrays[place - 1].name;
+    if (place == SSFR_PLACE_NONE) return "";
+    if (place == SSFR_PLACE_POSITION) return "position";
+    return place == SSFR_PLACE_RADIUS ? "radius" : ssfr_arrays[place - 1].name;
 }
 
 /* A vector's name and its component: "x", "vx", and with something between them "position_x", "Points:0", "v[2]". */
-static ssfr_column find_component(const char *name)
+static ssfr_sheet_column find_component(const char *name)
 {
     static const char components[] = "xyz012";
-    ssfr_column column = {SSFR_PLACE_NONE, 0};
+    ssfr_sheet_column column = {SSFR_PLACE_NONE, 0};
     char base[32];
     size_t n = strlen(name);
     if (n == 0 || n >= sizeof base) return column;
@@ -50,18 +52,18 @@ static ssfr_column find_component(const char *name)
     if (!component || (component >= components + 3 && !parted)) return column;
     const int place = n == 0 ? SSFR_PLACE_POSITION : ssfr_place_find(base);
     if (place != SSFR_PLACE_NONE && ssfr_place_count(place) == 3)
-        column = (ssfr_column){place, (size_t)(component - components) % 3};
+        column = (ssfr_sheet_column){place, (size_t)(component - components) % 3};
     return column;
 }
 
-ssfr_column ssfr_column_find(const char *name)
+ssfr_sheet_column ssfr_sheet_column_find(const char *name)
 {
     const int place = ssfr_place_find(name);
-    if (place != SSFR_PLACE_NONE && ssfr_place_count(place) == 1) return (ssfr_column){place, 0};
+    if (place != SSFR_PLACE_NONE && ssfr_place_count(place) == 1) return (ssfr_sheet_column){place, 0};
     return find_component(name);
 }
 
-ssfr_result ssfr_table_add(ssfr_table *t, const char *where, const char *name, ssfr_column column)
+ssfr_result ssfr_sheet_add(ssfr_sheet *t, const char *where, const char *name, ssfr_sheet_column column)
 {
     if (column.place == SSFR_PLACE_NONE) return SSFR_OK;
     if (t->components[column.place] >> column.component & 1u)
@@ -70,7 +72,7 @@ ssfr_result ssfr_table_add(ssfr_table *t, const char *where, const char *name, s
     return SSFR_OK;
 }
 
-ssfr_result ssfr_table_begin(ssfr_table *t, const char *where, size_t n)
+ssfr_result ssfr_sheet_begin(ssfr_sheet *t, const char *where, size_t n)
 {
     ssfr_result result = SSFR_OK;
     if (t->components[SSFR_PLACE_POSITION] != 7)
@@ -87,7 +89,16 @@ end:
     return result;
 }
 
-void ssfr_table_end(ssfr_table *t, size_t n)
+ssfr_result ssfr_table_put_radius(ssfr_sheet *t, size_t i, double value)
+{
+    if (!(value >= 0 && isfinite(value)))
+        return ssfr_fail(SSFR_ERR_FORMAT, "%s: particle %zu (from 0): radius is %g m", t->reading->path, i, value);
+    t->least = i > 0 ? fmin(t->least, value) : value;
+    t->most = i > 0 ? fmax(t->most, value) : value;
+    return SSFR_OK;
+}
+
+void ssfr_sheet_end(ssfr_sheet *t, size_t n)
 {
     ssfr_particles *given = &t->reading->given;
     given->n = n;
@@ -101,10 +112,10 @@ void ssfr_table_end(ssfr_table *t, size_t n)
 
 /* ---- rows of text ------------------------------------------------------------------------------------------------ */
 
-ssfr_result ssfr_rows_add(ssfr_rows *r, ssfr_column column, const char *name)
+ssfr_result ssfr_rows_add(ssfr_rows *r, ssfr_sheet_column column, const char *name)
 {
     if (r->n_columns == SSFR_MAX_COLUMNS)
-        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s:%zu: more than %d columns", r->path, r->line, SSFR_MAX_COLUMNS);
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: more than %d columns", r->path, SSFR_MAX_COLUMNS);
     r->columns[r->n_columns] = column;
     r->names[r->n_columns++] = name;
     return SSFR_OK;
@@ -184,7 +195,7 @@ size_t ssfr_rows_most(const ssfr_rows *r)
 {
     enum { LEAST = 6 /* bytes of a row: "0,0,0" and its end */ };
     size_t n_lines = 1;
-    for (const char *at = r->at; at < r->end && (at = memchr(at, '\n', (size_t)(r->end - at))) != NULL; at++) n_lines++;
+    for (const char *at = r->at; (at = memchr(at, '\n', (size_t)(r->end - at))) != NULL; at++) n_lines++;
     const size_t fit = (size_t)(r->end - r->at) / LEAST + 1;
     return n_lines < fit ? n_lines : fit;
 }
@@ -195,10 +206,9 @@ static ssfr_result fail_cell(const ssfr_rows *r, size_t column, const char *expe
     size_t n = 0;
     for (const char *at = r->at; n + 1 < sizeof cell && !ends_cell(r, at); at++) cell[n++] = *at;
     cell[n] = '\0';
-    const char *name = r->names[column];
-    if (!name) name = r->columns[column].place == SSFR_PLACE_NONE ? "" : place_name(r->columns[column].place);
-    return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: column %zu (%s): expected %s, found \"%s\"", r->path, r->line, column + 1,
-                     name, expected, ssfr_printable(cell, text));
+    const char *name = r->names[column] ? r->names[column] : place_name(r->columns[column].place);
+    return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: column %zu (%s): expected %s, found \"%s\"", r->path, r->line,
+                     column + 1, name, expected, ssfr_printable(cell, text));
 }
 
 /* A number, in quotes or not, with nothing but blanks up to the cell's end. */
@@ -235,7 +245,7 @@ static ssfr_result pass_separator(ssfr_rows *r, size_t column)
     return SSFR_OK;
 }
 
-ssfr_result ssfr_rows_read(ssfr_rows *r, ssfr_table *table, size_t i)
+ssfr_result ssfr_rows_read(ssfr_rows *r, ssfr_sheet *table, size_t i)
 {
     ssfr_result result = SSFR_OK;
     for (size_t k = 0; k < r->n_columns; k++) {
@@ -244,7 +254,7 @@ ssfr_result ssfr_rows_read(ssfr_rows *r, ssfr_table *table, size_t i)
         if (r->columns[k].place == SSFR_PLACE_NONE) {
             if (!ssfr_rows_skip_cell(r)) return fail_cell(r, k, "a quote at the text's end");
         } else if (read_number(r, &value)) {
-            SSFR_TRY(ssfr_table_put(table, r->columns[k], i, value));
+            SSFR_TRY(ssfr_sheet_put(table, r->columns[k], i, value));
         } else {
             return fail_cell(r, k, "a number");
         }
