@@ -286,6 +286,11 @@ ssfr_grid_range ssfr_grid_cell_at(const ssfr_grid *grid, size_t cell)
     return (ssfr_grid_range){grid->begins[cell], grid->begins[cell + 1]};
 }
 
+void ssfr_grid_settle(ssfr_grid *grid)
+{
+    for (size_t i = 0; i < grid->n; i++) grid->order[i] = (uint32_t)i;
+}
+
 size_t ssfr_grid_bytes(const ssfr_grid *grid)
 {
     return sizeof *grid + N_CHUNKS * sizeof *grid->counts + grid->table_capacity * sizeof *grid->table +

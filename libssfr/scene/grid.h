@@ -35,6 +35,9 @@ size_t ssfr_grid_bytes(const ssfr_grid *grid); /* memory held */
 size_t ssfr_grid_n_cells(const ssfr_grid *grid);
 ssfr_grid_range ssfr_grid_cell_at(const ssfr_grid *grid, size_t cell);
 
+/* The caller has put its points into the grid's order: from now on point i is the order's i-th. */
+void ssfr_grid_settle(ssfr_grid *grid);
+
 /* Ranges, each not empty, that hold every point within one cell's edge of `at`; returns how many. Ranges come in an
  * order that depends on the place alone. */
 int ssfr_grid_near(const ssfr_grid *grid, const float at[3], ssfr_grid_range ranges[SSFR_GRID_ROWS]);
