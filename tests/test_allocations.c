@@ -264,6 +264,52 @@ static void running_out_while_particles_are_packed_is_an_error(void **state)
     }
 }
 
+/* Everything that is computed from particles, and all of it again after a failure. */
+static ssfr_result compute_all(ssfr_weber *weber, ssfr_particles *p)
+{
+    static float foam[600], centre[3 * 600], shape[6 * 600];
+    double threshold;
+    ssfr_result result = SSFR_OK;
+    free(p->density), free(p->neighbours);
+    p->density = NULL, p->neighbours = NULL;
+    SSFR_TRY(ssfr_particles_complete(p, NULL));
+    SSFR_TRY(ssfr_particles_anisotropy(p, NULL, centre, shape));
+    SSFR_TRY(ssfr_weber_threshold(p, NULL, 0.1, &threshold));
+    SSFR_TRY(ssfr_weber_step(weber, p, 0.1, foam, NULL));
+end:
+    return result;
+}
+
+static void running_out_while_particles_are_measured_is_an_error(void **state)
+{
+    (void)state;
+    double positions[3 * 600];
+    float velocity[3 * 600] = {0};
+    uint32_t ids[600];
+    uint64_t seed = 3;
+    for (int i = 0; i < 3 * 600; i++) positions[i] = test_random(&seed, -0.1, 0.1);
+    for (uint32_t i = 0; i < 600; i++) ids[i] = i;
+    const ssfr_particles given = {.radius = 0.02, .id = ids, .velocity = velocity};
+    ssfr_particles *particles = NULL;
+    assert_int_equal(ssfr_particles_create(&particles, 600, positions, &given), SSFR_OK);
+    bool failed = true;
+    int n_failed = 0;
+    for (int n = 0; failed; n++) {
+        ssfr_weber *weber = NULL;
+        start_counting(n);
+        ssfr_result result = ssfr_weber_create(&weber, NULL, 0);
+        if (result == SSFR_OK) result = compute_all(weber, particles);
+        else assert_null(weber);
+        failed = stop_counting() > n;
+        n_failed += failed;
+        if (failed) assert_failed_once(result);
+        if (weber) assert_int_equal(compute_all(weber, particles), SSFR_OK);
+        ssfr_weber_destroy(&weber);
+    }
+    assert_true(n_failed > 15);
+    ssfr_particles_destroy(&particles);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -275,6 +321,7 @@ int main(void)
         cmocka_unit_test(running_out_while_a_context_is_made_is_an_error),
         ON_BOTH(running_out_in_reading_and_giving_is_an_error),
         cmocka_unit_test(running_out_while_particles_are_packed_is_an_error),
+        cmocka_unit_test(running_out_while_particles_are_measured_is_an_error),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_shared_gl_destroy);
 }
