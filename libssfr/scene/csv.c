@@ -51,17 +51,17 @@ static const char *cut_unit(char *name)
     return open + 1;
 }
 
-static ssfr_result add_column(ssfr_rows *r, ssfr_sheet *table, size_t line, char *name)
+static ssfr_result add_column(ssfr_rows *r, ssfr_sheet *sheet, size_t line, char *name)
 {
     ssfr_result result = SSFR_OK;
-    char where[SSFR_FOUND], found[SSFR_FOUND];
+    char text[SSFR_FOUND], found[SSFR_FOUND];
     const char *unit = cut_unit(name);
     const ssfr_sheet_column column = ssfr_sheet_column_find(name);
     const char *expected = column.place == SSFR_PLACE_NONE ? unit : ssfr_place_unit(column.place);
     if (unit[0] && strcmp(unit, expected) != 0)
         return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: %s: expected units \"%s\", found \"%s\"", r->path, line,
-                         ssfr_printable(name, where), expected, ssfr_printable(unit, found));
-    SSFR_TRY(ssfr_sheet_add(table, r->path, name, column));
+                         ssfr_printable(name, text), expected, ssfr_printable(unit, found));
+    SSFR_TRY(ssfr_sheet_add(sheet, r->path, name, column));
     SSFR_TRY(ssfr_rows_add(r, column, name));
 end:
     return result;
@@ -91,12 +91,14 @@ static ssfr_result next_name(ssfr_rows *r, char **name, bool *more)
         ssfr_rows_skip_line(r);
     else if (*r->at == r->separator)
         r->at++;
+    else if (r->separator != ' ')
+        return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: a name goes on after its quotes", r->path, r->line);
     *name = cut_text(start, end);
     return SSFR_OK;
 }
 
 /* The line of names, which may begin with # as NumPy writes it, and the file with a mark of UTF-8. */
-static ssfr_result read_names(ssfr_rows *r, ssfr_sheet *table)
+static ssfr_result read_names(ssfr_rows *r, ssfr_sheet *sheet)
 {
     static const char mark[] = "\xef\xbb\xbf";
     ssfr_result result = SSFR_OK;
@@ -108,7 +110,7 @@ static ssfr_result read_names(ssfr_rows *r, ssfr_sheet *table)
     const size_t line = r->line;
     while (more) {
         SSFR_TRY(next_name(r, &name, &more));
-        SSFR_TRY(add_column(r, table, line, name));
+        SSFR_TRY(add_column(r, sheet, line, name));
     }
     tell_skipped(r);
 end:
@@ -121,15 +123,15 @@ ssfr_result ssfr_csv_read(ssfr_reading *reading)
     char *file = NULL;
     size_t n = 0;
     ssfr_stream stream;
-    ssfr_sheet table = {.reading = reading};
+    ssfr_sheet sheet = {.reading = reading};
     ssfr_rows rows = {.path = reading->path, .line = 1, .separator = ','};
     SSFR_TRY(ssfr_stream_open(&stream, reading->path, &file));
     rows.at = stream.at;
     rows.end = stream.end;
-    SSFR_TRY(read_names(&rows, &table));
-    SSFR_TRY(ssfr_sheet_begin(&table, reading->path, ssfr_rows_most(&rows)));
-    while (ssfr_rows_more(&rows)) SSFR_TRY(ssfr_rows_read(&rows, &table, n++));
-    ssfr_sheet_end(&table, n);
+    SSFR_TRY(read_names(&rows, &sheet));
+    SSFR_TRY(ssfr_sheet_begin(&sheet, reading->path, ssfr_rows_most(&rows)));
+    while (ssfr_rows_more(&rows)) SSFR_TRY(ssfr_rows_read(&rows, &sheet, n++));
+    ssfr_sheet_end(&sheet, n);
 end:
     free(file);
     return result;
@@ -164,7 +166,7 @@ static void write_values(ssfr_sink *sink, const ssfr_particles *set, const ssfr_
     }
 }
 
-/* The radius is a column of one value, because such a table has no other place for it. */
+/* The radius is a column of one value, because a table has no other place for it. */
 ssfr_result ssfr_csv_write(const ssfr_particles *set, const char *path)
 {
     ssfr_result result = SSFR_OK;

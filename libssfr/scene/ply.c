@@ -5,7 +5,7 @@
 #include "scene/writer.h"
 
 typedef struct vertices {
-    ssfr_sheet table;
+    ssfr_sheet sheet;
     const ssfr_ply_property *first;
     ssfr_sheet_column columns[SSFR_PLY_PROPERTIES]; /* of the properties from `first` on */
 } vertices;
@@ -25,20 +25,20 @@ static ssfr_result put(void *user, const ssfr_ply_property *q, size_t i, size_t 
 {
     vertices *v = user;
     (void)k, (void)n; /* no list has a column */
-    return ssfr_sheet_put(&v->table, v->columns[q - v->first], i, value);
+    return ssfr_sheet_put(&v->sheet, v->columns[q - v->first], i, value);
 }
 
 /* Makes the arrays that the vertex has. */
-static ssfr_result make_table(const ssfr_ply *p, const ssfr_ply_element *vertex, vertices *v)
+static ssfr_result make_sheet(const ssfr_ply *p, const ssfr_ply_element *vertex, vertices *v)
 {
     ssfr_result result = SSFR_OK;
     v->first = p->properties + vertex->first;
     for (int k = 0; k < vertex->n_properties; k++) {
         const ssfr_ply_property *q = v->first + k;
         v->columns[k] = q->list ? (ssfr_sheet_column){SSFR_PLACE_NONE, 0} : ssfr_sheet_column_find(q->name);
-        SSFR_TRY(ssfr_sheet_add(&v->table, p->path, q->name, v->columns[k]));
+        SSFR_TRY(ssfr_sheet_add(&v->sheet, p->path, q->name, v->columns[k]));
     }
-    SSFR_TRY(ssfr_sheet_begin(&v->table, p->path, vertex->n));
+    SSFR_TRY(ssfr_sheet_begin(&v->sheet, p->path, vertex->n));
 end:
     return result;
 }
@@ -53,9 +53,9 @@ static ssfr_result read_body(ssfr_ply *p, vertices *v)
     if (vertex == end_of_elements)
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: the header has no vertex element", p->path);
     SSFR_TRY(ssfr_ply_check_size(p, vertex, "particles"));
-    SSFR_TRY(make_table(p, vertex, v));
+    SSFR_TRY(make_sheet(p, vertex, v));
     SSFR_TRY(ssfr_ply_read_instances(p, vertex, put, v));
-    ssfr_sheet_end(&v->table, vertex->n);
+    ssfr_sheet_end(&v->sheet, vertex->n);
     if (vertex + 1 == end_of_elements) SSFR_TRY(ssfr_ply_check_end(p));
 end:
     return result;
@@ -66,7 +66,7 @@ ssfr_result ssfr_ply_read(ssfr_reading *reading)
     ssfr_result result = SSFR_OK;
     char *file = NULL;
     ssfr_ply p = {.path = reading->path, .vertex = "particle", .comment = read_comment, .user = reading};
-    vertices v = {.table = {.reading = reading}};
+    vertices v = {.sheet = {.reading = reading}};
     SSFR_TRY(ssfr_ply_open(&p, &file));
     SSFR_TRY(read_body(&p, &v));
 end:

@@ -89,7 +89,7 @@ end:
     return result;
 }
 
-ssfr_result ssfr_table_put_radius(ssfr_sheet *t, size_t i, double value)
+ssfr_result ssfr_sheet_put_radius(ssfr_sheet *t, size_t i, double value)
 {
     if (!(value >= 0 && isfinite(value)))
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: particle %zu (from 0): radius is %g m", t->reading->path, i, value);
@@ -245,7 +245,7 @@ static ssfr_result pass_separator(ssfr_rows *r, size_t column)
     return SSFR_OK;
 }
 
-ssfr_result ssfr_rows_read(ssfr_rows *r, ssfr_sheet *table, size_t i)
+ssfr_result ssfr_rows_read(ssfr_rows *r, ssfr_sheet *sheet, size_t i)
 {
     ssfr_result result = SSFR_OK;
     for (size_t k = 0; k < r->n_columns; k++) {
@@ -254,7 +254,7 @@ ssfr_result ssfr_rows_read(ssfr_rows *r, ssfr_sheet *table, size_t i)
         if (r->columns[k].place == SSFR_PLACE_NONE) {
             if (!ssfr_rows_skip_cell(r)) return fail_cell(r, k, "a quote at the text's end");
         } else if (read_number(r, &value)) {
-            SSFR_TRY(ssfr_sheet_put(table, r->columns[k], i, value));
+            SSFR_TRY(ssfr_sheet_put(sheet, r->columns[k], i, value));
         } else {
             return fail_cell(r, k, "a number");
         }

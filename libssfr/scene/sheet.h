@@ -35,19 +35,19 @@ typedef struct ssfr_sheet {
 } ssfr_sheet;
 
 /* Takes note of a column, which must be the only one for its number. `where` starts the error lines: a file, a line. */
-SSFR_MUST ssfr_result ssfr_sheet_add(ssfr_sheet *table, const char *where, const char *name, ssfr_sheet_column column);
+SSFR_MUST ssfr_result ssfr_sheet_add(ssfr_sheet *sheet, const char *where, const char *name, ssfr_sheet_column column);
 /* Makes room for n particles when all columns were added: a position must be whole, and so must other vectors. */
-SSFR_MUST ssfr_result ssfr_sheet_begin(ssfr_sheet *table, const char *where, size_t n);
+SSFR_MUST ssfr_result ssfr_sheet_begin(ssfr_sheet *sheet, const char *where, size_t n);
 /* When n particles were put, which may be fewer. Their radius is the reading's if all have the same and it has none. */
-void ssfr_sheet_end(ssfr_sheet *table, size_t n);
+void ssfr_sheet_end(ssfr_sheet *sheet, size_t n);
 
-SSFR_MUST ssfr_result ssfr_table_put_radius(ssfr_sheet *table, size_t i, double value);
+SSFR_MUST ssfr_result ssfr_sheet_put_radius(ssfr_sheet *sheet, size_t i, double value);
 
 /* Stores a column's value of particle i. */
 static inline ssfr_result ssfr_sheet_put(ssfr_sheet *t, ssfr_sheet_column column, size_t i, double value)
 {
     if (column.place == SSFR_PLACE_NONE) return SSFR_OK;
-    if (column.place == SSFR_PLACE_RADIUS) return ssfr_table_put_radius(t, i, value);
+    if (column.place == SSFR_PLACE_RADIUS) return ssfr_sheet_put_radius(t, i, value);
     const ssfr_target *target = t->targets + column.place;
     return ssfr_target_put(t->reading, target, target->count * i + column.component, value);
 }
@@ -77,6 +77,6 @@ void ssfr_rows_skip_line(ssfr_rows *rows);
 /* At least the number of rows that follow, and not much more than the file's size. */
 size_t ssfr_rows_most(const ssfr_rows *rows);
 /* Reads particle i from the line here, which must have as many cells as there are columns. */
-SSFR_MUST ssfr_result ssfr_rows_read(ssfr_rows *rows, ssfr_sheet *table, size_t i);
+SSFR_MUST ssfr_result ssfr_rows_read(ssfr_rows *rows, ssfr_sheet *sheet, size_t i);
 
 #endif

@@ -480,7 +480,8 @@ ssfr_result ssfr_vtk_write(const ssfr_particles *set, const char *path)
         return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: %zu particles: a cell of legacy VTK counts points up to %d", path,
                          set->n, INT32_MAX);
     SSFR_TRY(ssfr_sink_begin(&sink, path, SSFR_BIG_ENDIAN));
-    ssfr_sink_text(&sink, "# vtk DataFile Version 3.0\nparticles: metres, seconds, kilograms\nBINARY\nDATASET POLYDATA\n");
+    ssfr_sink_text(&sink, "# vtk DataFile Version 3.0\nparticles: metres, seconds, kilograms\nBINARY\n");
+    ssfr_sink_text(&sink, "DATASET POLYDATA\n");
     if (set->radius > 0) {
         ssfr_sink_text(&sink, "FIELD FieldData 1\nradius 1 1 double\n");
         ssfr_sink_double(&sink, set->radius);

@@ -11,7 +11,7 @@
 
 typedef struct xyz {
     ssfr_rows rows;
-    ssfr_sheet table;
+    ssfr_sheet sheet;
     bool counted;
     size_t n; /* that were announced, or that the file can hold */
 } xyz;
@@ -49,7 +49,7 @@ static ssfr_result add_property(xyz *x, const char *name, const char *type, cons
     for (size_t k = 0; k < n; k++) {
         ssfr_sheet_column column = whole ? (ssfr_sheet_column){place, k} : ssfr_sheet_column_find(n == 1 ? name : "");
         if (!number) column.place = SSFR_PLACE_NONE;
-        SSFR_TRY(ssfr_sheet_add(&x->table, x->rows.path, name, column));
+        SSFR_TRY(ssfr_sheet_add(&x->sheet, x->rows.path, name, column));
         SSFR_TRY(ssfr_rows_add(&x->rows, column, name));
     }
 end:
@@ -98,7 +98,7 @@ static ssfr_result guess_columns(xyz *x)
     for (size_t k = 0; k < n; k++) {
         const bool known = k >= first && k < first + 3;
         const ssfr_sheet_column column = {known ? SSFR_PLACE_POSITION : SSFR_PLACE_NONE, known ? k - first : 0};
-        SSFR_TRY(ssfr_sheet_add(&x->table, r->path, "position", column));
+        SSFR_TRY(ssfr_sheet_add(&x->sheet, r->path, "position", column));
         SSFR_TRY(ssfr_rows_add(r, column, NULL));
     }
 end:
@@ -123,7 +123,7 @@ static ssfr_result read_head(xyz *x)
     if (x->n > ssfr_rows_most(r))
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: %zu particles are announced, but %zu bytes follow", r->path, x->n,
                          (size_t)(r->end - r->at));
-    SSFR_TRY(ssfr_sheet_begin(&x->table, r->path, x->n));
+    SSFR_TRY(ssfr_sheet_begin(&x->sheet, r->path, x->n));
 end:
     return result;
 }
@@ -134,19 +134,19 @@ ssfr_result ssfr_xyz_read(ssfr_reading *reading)
     char *file = NULL;
     size_t n = 0;
     ssfr_stream stream;
-    xyz x = {.rows = {.path = reading->path, .line = 1, .separator = ' '}, .table = {.reading = reading}};
+    xyz x = {.rows = {.path = reading->path, .line = 1, .separator = ' '}, .sheet = {.reading = reading}};
     SSFR_TRY(ssfr_stream_open(&stream, reading->path, &file));
     x.rows.at = stream.at;
     x.rows.end = stream.end;
     SSFR_TRY(read_head(&x));
-    for (; ssfr_rows_more(&x.rows) && n < x.n; n++) SSFR_TRY(ssfr_rows_read(&x.rows, &x.table, n));
+    for (; ssfr_rows_more(&x.rows) && n < x.n; n++) SSFR_TRY(ssfr_rows_read(&x.rows, &x.sheet, n));
     if (x.counted && n < x.n)
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: the file ends after %zu of %zu particles", reading->path,
                            x.rows.line, n, x.n);
     else if (x.rows.at < x.rows.end)
         result = ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s:%zu: the file goes on after its %zu particles: one frame a file",
                            reading->path, x.rows.line, x.n);
-    ssfr_sheet_end(&x.table, n);
+    ssfr_sheet_end(&x.sheet, n);
 end:
     free(file);
     return result;
