@@ -232,7 +232,7 @@ int ssfr_cmd_bench(int argc, char **argv)
     const ssfr_option_set sets[] = {
         {"bench", rows, &options},
         {"what runs", ssfr_setup_rows + 1, &setup_options}, /* the pipeline is an argument */
-        {"scene and view", ssfr_stage_rows, &stage_options},
+        SSFR_STAGE_SETS(&stage_options),
         {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0],
@@ -249,6 +249,7 @@ int ssfr_cmd_bench(int argc, char **argv)
     if (line.arguments.n) setup_options.pipeline = line.arguments.items[0];
     SSFR_TRY(ssfr_setup_init(&b.setup, &setup_options, NULL));
     SSFR_TRY(ssfr_stage_create(&b.stage, options.scene, &stage_options));
+    SSFR_TRY(ssfr_setup_scene(&b.setup, &setup_options, b.stage->description));
     if (options.output) SSFR_TRY(open_csv(&b, options.output));
     SSFR_TRY(measure(&b, &options));
     SSFR_TRY(print(&b));

@@ -252,7 +252,7 @@ int ssfr_cmd_check(int argc, char **argv)
     ssfr_command_line line;
     check c = {.o = &options};
     const ssfr_option_set sets[] = {
-        {"check", rows, &options}, {"scene and view", ssfr_stage_rows, &stage_options}, {NULL, NULL, NULL}};
+        {"check", rows, &options}, SSFR_STAGE_SETS(&stage_options), {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0],
         .arguments = "[PASS]",

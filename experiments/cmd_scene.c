@@ -1,159 +1,218 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* cmd_scene.c: `ssfr scene`: the built-in scenes, and what is in a scene or a particle file. */
-#include "experiments/command.h"
+/* cmd_scene.c: `ssfr scene`: which scenes there are, simulating them, what is in them, converting particle files. */
+#include "experiments/cmd_scene.h"
 #include "experiments/console.h"
-#include "experiments/scenes/scenes.h"
+#include "experiments/param_table.h"
+#include "experiments/scenes/make.h"
 #include "experiments/stage.h"
 
-#include <gsl/gsl_sort.h>
-#include <gsl/gsl_statistics_double.h>
-
-static ssfr_result list(void)
+static ssfr_result add_titles(ssfr_table *table, const char *const *titles, int n)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_table table;
-    ssfr_table_init(&table, 2);
-    SSFR_TRY(ssfr_table_add(&table, "SCENE"));
-    SSFR_TRY(ssfr_table_add(&table, "HELP"));
-    for (int i = 0; ssfr_builtin_at(i); i++) {
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_builtin_at(i)->name));
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_builtin_at(i)->help));
-    }
+    ssfr_table_init(table, n);
+    for (int i = 0; i < n && result == SSFR_OK; i++) result = ssfr_table_add(table, "%s", titles[i]);
+    return result;
+}
+
+/* A word without options of its own: false when only help was asked for. */
+static ssfr_result parse_plain(int argc, char **argv, const char *help, bool *go_on)
+{
+    ssfr_command_line line;
+    const ssfr_usage usage = {.command = argv[0], .arguments = "", .help = help};
+    const ssfr_result result = ssfr_options_parse(&line, &usage, argc, argv);
+    *go_on = result == SSFR_OK && !line.help;
+    return result;
+}
+
+/* ---- list -------------------------------------------------------------------------------------------------------- */
+
+static ssfr_result list_builtin(ssfr_table *table, const ssfr_builtin *builtin)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_particles *particles = NULL;
+    SSFR_TRY(builtin->make(&particles, 1));
+    SSFR_TRY(ssfr_table_add(table, "%s", builtin->name));
+    for (int scale = 0; scale < 2; scale++) SSFR_TRY(ssfr_table_add(table, "%zu", particles->n));
+    SSFR_TRY(ssfr_table_add(table, "-"));
+    SSFR_TRY(ssfr_table_add(table, "%s", builtin->help));
+end:
+    ssfr_particles_destroy(&particles);
+    return result;
+}
+
+static ssfr_result list_scene(ssfr_table *table, const ssfr_scene_source *source)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_description *scales[2] = {NULL, NULL};
+    for (int scale = 0; scale < 2; scale++)
+        SSFR_TRY(ssfr_scene_describe(source, (ssfr_scale)scale, &scales[scale]));
+    SSFR_TRY(ssfr_table_add(table, "%s", source->name));
+    for (int scale = 0; scale < 2; scale++)
+        SSFR_TRY(ssfr_table_add(table, "%zu", scales[scale]->solver.max_particles));
+    SSFR_TRY(ssfr_table_add(table, "%d", scales[0]->n_frames));
+    SSFR_TRY(ssfr_table_add(table, "%s", scales[0]->title));
+end:
+    for (int scale = 0; scale < 2; scale++) ssfr_description_destroy(&scales[scale]);
+    return result;
+}
+
+static ssfr_result list(int argc, char **argv)
+{
+    static const char *const titles[] = {"SCENE", "PARTICLES", "FULL", "FRAMES", "TITLE"};
+    ssfr_result result = SSFR_OK;
+    ssfr_table table = {0};
+    ssfr_scene_source source;
+    bool go_on;
+    SSFR_TRY(parse_plain(argc, argv,
+                         "Lists what is built in: shapes of one picture, and scenes that are simulated, with the most "
+                         "particles that they have at --scale quick, which is the default, and full.",
+                         &go_on));
+    if (!go_on) goto end;
+    SSFR_TRY(add_titles(&table, titles, SSFR_COUNT(titles)));
+    for (int i = 0; ssfr_builtin_at(i); i++) SSFR_TRY(list_builtin(&table, ssfr_builtin_at(i)));
+    for (int i = 0; ssfr_scene_at(i, &source); i++) SSFR_TRY(list_scene(&table, &source));
     ssfr_table_print(&table, stdout);
 end:
     ssfr_table_finish(&table);
     return result;
 }
 
-/* ---- what is in a scene ------------------------------------------------------------------------------------------ */
+/* ---- make -------------------------------------------------------------------------------------------------------- */
 
-/* A line of the table: what, unit, then its value or values. */
-static ssfr_result add_line(ssfr_table *table, const char *what, const char *unit, const char *value)
+typedef struct make_words {
+    const char *cache;
+    int scale;
+    long last;
+    bool anew;
+} make_words;
+
+#define ROW(...) SSFR_OPTION(make_words, __VA_ARGS__)
+static const ssfr_option make_rows[] = {
+    ROW(scale, "scale", 0, WORD, "quick|full", "a sixteenth of the paper's particles (default), or all", 0, 0),
+    ROW(last, "last", 0, INTEGER, "N", "make frames 0 to N (default: all)", 0, SSFR_MAX_FRAME),
+    ROW(anew, "anew", 0, FLAG, NULL, "make frames again that are there", 0, 0),
+    ROW(cache, "cache", 0, TEXT, "DIR",
+        "where frames are kept (default: ssfr/scenes in $XDG_CACHE_HOME or ~/.cache)", 0, 0),
+    SSFR_OPTION_END,
+};
+
+static ssfr_result make_scene(const char *scene, const make_words *words, uint64_t seed)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_table_add(table, "%s", what));
-    SSFR_TRY(ssfr_table_add(table, "%s", unit));
-    SSFR_TRY(ssfr_table_add(table, "%s", value));
-end:
-    return result;
-}
-
-static ssfr_result add_number(ssfr_table *table, const char *what, const char *unit, double number)
-{
-    char value[32];
-    snprintf(value, sizeof value, "%.9g", number);
-    return add_line(table, what, unit, value);
-}
-
-static ssfr_result add_vector(ssfr_table *table, const char *what, const char *unit, const double v[3])
-{
-    char value[96];
-    snprintf(value, sizeof value, "%.9g,%.9g,%.9g", v[0], v[1], v[2]);
-    return add_line(table, what, unit, value);
-}
-
-static ssfr_result add_statistics(ssfr_table *table, const char *what, const char *unit, double *values, size_t n)
-{
-    char text[160];
-    const double mean = gsl_stats_mean(values, 1, n);
-    gsl_sort(values, 1, n);
-    snprintf(text, sizeof text, "min %.6g, median %.6g, mean %.6g, max %.6g", values[0],
-             gsl_stats_median_from_sorted_data(values, 1, n), mean, values[n - 1]);
-    return add_line(table, what, unit, text);
-}
-
-/* How many particles have each kind: numbers of the file, few of them. */
-static ssfr_result add_kinds(ssfr_table *table, const uint32_t *kind, size_t n)
-{
-    enum { MAX_KINDS = 16 };
-    ssfr_result result = SSFR_OK;
-    size_t counts[MAX_KINDS] = {0}, others = 0;
-    for (size_t i = 0; i < n; i++) *(kind[i] < MAX_KINDS ? &counts[kind[i]] : &others) += 1;
-    for (int k = 0; k < MAX_KINDS; k++) {
-        char what[24];
-        snprintf(what, sizeof what, "kind %d", k);
-        if (counts[k]) SSFR_TRY(add_number(table, what, "particles", (double)counts[k]));
+    const ssfr_make_options options = {.cache = words->cache, .seed = seed, .last = (int)words->last,
+                                       .anew = words->anew};
+    ssfr_scene_source source;
+    ssfr_description *description = NULL;
+    char *folder = NULL;
+    SSFR_TRY(ssfr_scene_find(scene, &source));
+    if (source.kind != SSFR_SCENE_DESCRIBED) {
+        result = ssfr_fail(SSFR_ERR_VALUE, "%s: there is nothing to simulate", scene);
+        goto end;
     }
-    if (others) SSFR_TRY(add_number(table, "other kinds", "particles", (double)others));
+    SSFR_TRY(ssfr_scene_describe(&source, (ssfr_scale)words->scale, &description));
+    SSFR_TRY(ssfr_make_folder(description, words->cache, seed, &folder));
+    SSFR_TRY(ssfr_make(description, &options));
+    printf("%s: %d of %d frames in %s\n", source.name, ssfr_make_count(folder), description->n_frames, folder);
+end:
+    free(folder);
+    ssfr_description_destroy(&description);
+    return result;
+}
+
+static ssfr_result make(int argc, char **argv)
+{
+    ssfr_result result = SSFR_OK;
+    make_words words = {.last = -1};
+    ssfr_command_line line;
+    const ssfr_option_set sets[] = {{"make", make_rows, &words}, {NULL, NULL, NULL}};
+    const ssfr_usage usage = {
+        .command = argv[0], .arguments = "SCENE", .min_arguments = 1, .max_arguments = 1, .sets = sets,
+        .help = "Simulates the frames of a scene that are not there yet. When interrupted, the same command goes on "
+                "with the frame that was in progress."};
+    SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
+    if (!line.help) SSFR_TRY(make_scene(line.arguments.items[0], &words, (uint64_t)line.seed));
 end:
     return result;
 }
 
-static ssfr_result add_arrays(ssfr_table *table, const ssfr_particles *p)
+/* ---- what can be written in scene files, and read from others ---------------------------------------------------- */
+
+static ssfr_result add_rows(ssfr_table *table, const char *group, const ssfr_param *rows)
 {
     ssfr_result result = SSFR_OK;
-    double *values = NULL;
-    SSFR_TRY(ssfr_alloc(&values, p->n, sizeof *values, "statistics"));
-    for (size_t i = 0; p->velocity && i < p->n; i++) {
-        const double v[3] = {p->velocity[3 * i], p->velocity[3 * i + 1], p->velocity[3 * i + 2]};
-        values[i] = sqrt(ssfr_dot(v, v));
+    for (; rows->name && result == SSFR_OK; rows++) {
+        char key[64];
+        snprintf(key, sizeof key, "%s.%s", group, rows->name);
+        result = ssfr_param_table_add(table, key, rows, NULL);
     }
-    if (p->velocity) SSFR_TRY(add_statistics(table, "speed", "m/s", values, p->n));
-    for (size_t i = 0; p->density && i < p->n; i++) values[i] = p->density[i];
-    if (p->density) SSFR_TRY(add_statistics(table, "density", "kg/m^3", values, p->n));
-    for (size_t i = 0; p->lifetime && i < p->n; i++) values[i] = p->lifetime[i];
-    if (p->lifetime) SSFR_TRY(add_statistics(table, "lifetime", "s", values, p->n));
-    for (size_t i = 0; p->neighbours && i < p->n; i++) values[i] = p->neighbours[i];
-    if (p->neighbours) SSFR_TRY(add_statistics(table, "neighbours", "1", values, p->n));
-    for (size_t i = 0; p->id && i < p->n; i++) values[i] = p->id[i];
-    if (p->id) SSFR_TRY(add_statistics(table, "id", "1", values, p->n));
-    if (p->kind) SSFR_TRY(add_kinds(table, p->kind, p->n));
-end:
-    free(values);
     return result;
 }
 
-static ssfr_result describe(const char *scene, const ssfr_stage_options *options)
+static ssfr_result params(int argc, char **argv)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_stage *stage = NULL;
-    ssfr_table table;
-    double lo[3], hi[3];
-    ssfr_table_init(&table, 3);
-    SSFR_TRY(ssfr_stage_create(&stage, scene, options));
-    const ssfr_particles *p = stage->particles;
-    ssfr_particles_bounds(p, lo, hi);
-    SSFR_TRY(add_line(&table, "scene", "", stage->name));
-    SSFR_TRY(add_number(&table, "particles", "1", (double)p->n));
-    if (stage->n_dropped) SSFR_TRY(add_number(&table, "dropped", "1", (double)stage->n_dropped));
-    SSFR_TRY(add_number(&table, "packets", "1", (double)p->n_packets));
-    SSFR_TRY(add_number(&table, "radius", "m", p->radius));
-    SSFR_TRY(add_number(&table, "half spacing", "m", ssfr_particles_spacing(p)));
-    SSFR_TRY(add_vector(&table, "lowest", "m", lo));
-    SSFR_TRY(add_vector(&table, "highest", "m", hi));
-    SSFR_TRY(add_number(&table, "floor", "m", stage->scene.floor));
-    SSFR_TRY(add_number(&table, "solids", "1", stage->scene.n_solids));
-    SSFR_TRY(add_vector(&table, "eye", "m", stage->scene.camera.eye));
-    if (p->n) SSFR_TRY(add_arrays(&table, p));
+    ssfr_table table = {0};
+    bool go_on;
+    SSFR_TRY(parse_plain(argc, argv, "Lists the parameters of the solver and of its foam, as scene files set them.",
+                         &go_on));
+    if (!go_on) goto end;
+    SSFR_TRY(ssfr_param_table_begin(&table));
+    SSFR_TRY(add_rows(&table, "solver", ssfr_solver_rows));
+    SSFR_TRY(add_rows(&table, "foam", ssfr_foam_rows));
     ssfr_table_print(&table, stdout);
 end:
     ssfr_table_finish(&table);
-    ssfr_stage_destroy(&stage);
     return result;
 }
 
-static ssfr_result run(const ssfr_list *arguments, const ssfr_stage_options *options)
+static ssfr_result formats(int argc, char **argv)
 {
-    const char *what = arguments->items[0];
-    if (strcmp(what, "list") == 0 && arguments->n == 1) return list();
-    if (strcmp(what, "info") == 0 && arguments->n == 2) return describe(arguments->items[1], options);
-    return ssfr_fail(SSFR_ERR_VALUE, "%s: expected 'list', or 'info SCENE'", what);
+    bool go_on;
+    const ssfr_result result =
+        parse_plain(argc, argv, "Lists the files of particles that are read and written.", &go_on);
+    if (result == SSFR_OK && go_on) printf("%s", ssfr_particle_formats());
+    return result;
+}
+
+/* ---- the words --------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *word, *full, *help;
+    ssfr_result (*run)(int argc, char **argv);
+} words[] = {
+    {"list", "scene list", "the scenes that are built in", list},
+    {"make", "scene make", "simulate a scene's frames", make},
+    {"info", "scene info", "what is in a scene, or in a file of particles", ssfr_scene_info},
+    {"import", "scene import", "convert files of particles from any format that is read to any that is written",
+     ssfr_scene_import},
+    {"formats", "scene formats", "the formats of such files", formats},
+    {"params", "scene params", "the parameters of the solver and of its foam", params},
+};
+
+static ssfr_result print_help(int argc, char **argv)
+{
+    ssfr_command_line line;
+    char help[640] = "Scenes, simulated or from files; 'ssfr scene WORD --help' says more. WORD is";
+    size_t used = strlen(help);
+    for (size_t i = 0; i < SSFR_COUNT(words) && used < sizeof help; i++)
+        used += (size_t)snprintf(help + used, sizeof help - used, "%s %s (%s)", i ? "," : "", words[i].word,
+                                 words[i].help);
+    const ssfr_usage usage = {.command = argv[0], .arguments = "list|make|info|import|formats|params ...",
+                              .min_arguments = 1, .max_arguments = SSFR_MAX_LIST, .help = help};
+    const ssfr_result result = ssfr_options_parse(&line, &usage, argc, argv);
+    if (result != SSFR_OK || line.help) return result;
+    return ssfr_fail(SSFR_ERR_VALUE, "%s: expected list, make, info, import, formats or params first",
+                     line.arguments.items[0]);
 }
 
 int ssfr_cmd_scene(int argc, char **argv)
 {
-    ssfr_result result = SSFR_OK;
-    ssfr_stage_options options;
-    ssfr_command_line line;
-    const ssfr_option_set sets[] = {{"info", ssfr_stage_rows, &options}, {NULL, NULL, NULL}};
-    const ssfr_usage usage = {
-        .command = argv[0], .arguments = "list|info SCENE", .min_arguments = 1, .max_arguments = 2, .sets = sets,
-        .help = "Lists the built-in scenes, or says what is in a scene or a particle file."};
-    ssfr_stage_defaults(&options);
-    SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
-    if (line.help) goto end;
-    options.seed = (uint64_t)line.seed;
-    SSFR_TRY(run(&line.arguments, &options));
-end:
-    return ssfr_exit_status(result);
+    for (size_t i = 0; i < SSFR_COUNT(words) && argc > 1; i++)
+        if (strcmp(words[i].word, argv[1]) == 0) {
+            char full[24];
+            snprintf(full, sizeof full, "%s", words[i].full);
+            argv[1] = full;
+            return ssfr_exit_status(words[i].run(argc - 1, argv + 1));
+        }
+    return ssfr_exit_status(print_help(argc, argv));
 }

@@ -90,7 +90,7 @@ int ssfr_cmd_sweep(int argc, char **argv)
     ssfr_sweep_spec *spec = NULL;
     ssfr_command_line line;
     const ssfr_option_set sets[] = {
-        {"sweep", rows, &words}, {"scene and view", ssfr_stage_rows, &options.stage}, {NULL, NULL, NULL}};
+        {"sweep", rows, &words}, SSFR_STAGE_SETS(&options.stage), {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0],
         .arguments = "[SPEC.yaml|-]",

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-/* From here on the first signal is only noted; the second ends the process. Work inside of such work may begin again. */
+/* From here on the first signal is only noted; the second ends the process. Such work may be part of such work. */
 void ssfr_interrupt_begin(void);
 /* What a signal did before. */
 void ssfr_interrupt_end(void);

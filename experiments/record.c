@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* record.c: collecting what reproduces a frame. */
 #include "experiments/record.h"
+#include "experiments/scenes/make.h"
 
 static ssfr_result copy_text(const char **out, const char *text)
 {
@@ -114,11 +115,31 @@ static ssfr_result add_vector(ssfr_record *record, const char *name, const doubl
     return result;
 }
 
+/* Which frame of which simulation, and what the scene sets by itself. */
+static ssfr_result add_frame(ssfr_record *record, const ssfr_stage *stage)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_description *d = stage->description;
+    if (stage->frame >= 0) SSFR_TRY(ssfr_record_number(record, "scene.frame", (double)stage->frame));
+    if (!d) goto end;
+    SSFR_TRY(ssfr_record_number(record, "scene.time", stage->time));
+    SSFR_TRY(ssfr_record_text(record, "scene.scale", ssfr_scale_words[d->scale]));
+    SSFR_TRY(ssfr_record_text(record, "scene.key", strrchr(stage->folder, '-') + 1));
+    for (int i = 0; i < d->n_settings; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "scene.set.%.100s", d->settings[i].key);
+        SSFR_TRY(ssfr_record_text(record, name, d->settings[i].value));
+    }
+end:
+    return result;
+}
+
 ssfr_result ssfr_record_stage(ssfr_record *record, const ssfr_stage *stage)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_camera *camera = &stage->scene.camera;
     SSFR_TRY(ssfr_record_text(record, "scene", stage->name));
+    SSFR_TRY(add_frame(record, stage));
     SSFR_TRY(ssfr_record_number(record, "scene.particles", (double)stage->particles->n));
     SSFR_TRY(ssfr_record_number(record, "scene.radius", stage->particles->radius));
     SSFR_TRY(ssfr_record_number(record, "scene.floor", stage->scene.floor));

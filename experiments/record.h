@@ -21,7 +21,7 @@ void ssfr_record_finish(ssfr_record *record);
 /* Version, the command line as a shell takes it, seed, backend. */
 SSFR_MUST ssfr_result ssfr_record_program(ssfr_record *record, const ssfr_setup *setup, const ssfr_command_line *line,
                                           int argc, char **argv);
-/* Scene, particle count and radius, camera. */
+/* Scene and frame, particle count and radius, camera. */
 SSFR_MUST ssfr_result ssfr_record_stage(ssfr_record *record, const ssfr_stage *stage);
 /* Every parameter of the graph. */
 SSFR_MUST ssfr_result ssfr_record_graph(ssfr_record *record, const ssfr_graph *graph);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rig.c: one run of a sweep: set, measure, compare with the twin and with the reference. */
 #include "experiments/rig.h"
-#include "experiments/scenes/scenes.h"
+#include "experiments/setup.h"
 #include "experiments/shot.h"
 
 #include <assert.h>
@@ -21,6 +21,7 @@ struct ssfr_rig {
     ssfr_stage *stage;
     size_t scene; /* value that the stage shows */
     bool staged;
+    bool dressed; /* the graphs have settings of a scene */
     cached twin, of_reference;
     ssfr_shot shot;
 };
@@ -68,9 +69,13 @@ end:
 
 static ssfr_result check_scene(const char *where, const char *name)
 {
-    if (ssfr_builtin_find(name) || access(name, R_OK) == 0) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: scene %s: neither a built-in scene nor a file that can be read: %s", where,
-                     name, strerror(errno));
+    ssfr_scene_source source;
+    ssfr_log_about(where);
+    ssfr_result result = ssfr_scene_find(name, &source);
+    if (result == SSFR_OK && source.kind == SSFR_SCENE_PARTICLES && access(name, R_OK) != 0)
+        result = ssfr_fail(SSFR_ERR_IO, "%s: %s", name, strerror(errno));
+    ssfr_log_about(NULL);
+    return result;
 }
 
 static ssfr_result check_own(const ssfr_axis *axis, const char *value)
@@ -111,12 +116,29 @@ end:
 
 /* ---- the rig ----------------------------------------------------------------------------------------------------- */
 
-static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig_options *o, ssfr_gl *gl)
+/* What the scene says first, so that the spec counts for more. */
+static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig_options *o, ssfr_gl *gl, const ssfr_description *scene)
 {
     ssfr_result result = SSFR_OK;
+    ssfr_graph_destroy(out);
     SSFR_TRY(ssfr_graph_create(out, o->pipeline, gl));
     SSFR_TRY(ssfr_shot_want(*out, o->pipeline));
+    if (scene) SSFR_TRY(ssfr_setup_apply_scene(*out, scene));
     SSFR_TRY(apply(*out, o->pipeline, &o->spec->settings));
+end:
+    return result;
+}
+
+static ssfr_result new_graphs(ssfr_rig *rig, const ssfr_description *scene)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_rig_options *o = rig->o;
+    if (o->gl) SSFR_TRY(new_graph(&rig->gl, o, o->gl, scene));
+    SSFR_TRY(new_graph(&rig->cpu, o, NULL, scene));
+    if (o->spec->has_reference) {
+        SSFR_TRY(new_graph(&rig->reference, o, NULL, scene));
+        SSFR_TRY(apply(rig->reference, o->pipeline, &o->spec->reference));
+    }
 end:
     return result;
 }
@@ -128,12 +150,7 @@ ssfr_result ssfr_rig_create(ssfr_rig **out, const ssfr_rig_options *options)
     *out = NULL;
     SSFR_TRY(ssfr_alloc(&rig, 1, sizeof *rig, "a rig"));
     rig->o = options;
-    if (options->gl) SSFR_TRY(new_graph(&rig->gl, options, options->gl));
-    SSFR_TRY(new_graph(&rig->cpu, options, NULL));
-    if (options->spec->has_reference) {
-        SSFR_TRY(new_graph(&rig->reference, options, NULL));
-        SSFR_TRY(apply(rig->reference, options->pipeline, &options->spec->reference));
-    }
+    SSFR_TRY(new_graphs(rig, NULL));
     *out = rig;
     rig = NULL;
 end:
@@ -170,6 +187,18 @@ const ssfr_graph *ssfr_rig_graph(const ssfr_rig *rig)
 
 /* ---- one run ----------------------------------------------------------------------------------------------------- */
 
+/* What one scene has set must not stay for the next. */
+static ssfr_result dress(ssfr_rig *rig)
+{
+    const ssfr_description *scene = rig->stage->description;
+    const bool has = scene && scene->n_settings > 0;
+    if (!has && !rig->dressed) return SSFR_OK;
+    rig->dressed = true;
+    const ssfr_result result = new_graphs(rig, scene);
+    if (result == SSFR_OK) rig->dressed = has;
+    return result;
+}
+
 static ssfr_result set_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
     ssfr_result result = SSFR_OK;
@@ -181,6 +210,7 @@ static ssfr_result set_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
     rig->staged = false;
     ssfr_stage_destroy(&rig->stage);
     SSFR_TRY(ssfr_stage_create(&rig->stage, axis->values[scene], &options));
+    SSFR_TRY(dress(rig));
     rig->scene = scene;
     rig->staged = true;
 end:

@@ -85,6 +85,37 @@ end:
     return result;
 }
 
+/* "bilateral.sigma" is of a pass, which the pipeline need not have; "medium.ior" is of all. */
+static bool is_of_another_pass(const ssfr_graph *graph, const char *key)
+{
+    char pass[64];
+    snprintf(pass, sizeof pass, "%.*s", (int)strcspn(key, "."), key);
+    return !ssfr_graph_row(graph, key) && ssfr_pass_find(pass);
+}
+
+ssfr_result ssfr_setup_apply_scene(ssfr_graph *graph, const ssfr_description *description)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < description->n_settings && result == SSFR_OK; i++) {
+        const ssfr_scene_setting *s = &description->settings[i];
+        ssfr_log_about(s->where);
+        if (!is_of_another_pass(graph, s->key)) result = ssfr_graph_set(graph, s->key, s->value);
+        ssfr_log_about(NULL);
+    }
+    return result;
+}
+
+ssfr_result ssfr_setup_scene(ssfr_setup *setup, const ssfr_setup_options *options,
+                             const ssfr_description *description)
+{
+    ssfr_result result = SSFR_OK;
+    if (!description) return SSFR_OK;
+    SSFR_TRY(ssfr_setup_apply_scene(setup->graph, description));
+    SSFR_TRY(apply(setup->graph, &options->settings));
+end:
+    return result;
+}
+
 void ssfr_setup_finish(ssfr_setup *setup)
 {
     ssfr_graph_destroy(&setup->graph);

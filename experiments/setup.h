@@ -4,6 +4,7 @@
 #define SSFR_SETUP_H
 
 #include "experiments/options.h"
+#include "experiments/scenes/description.h"
 
 enum { SSFR_BACKEND_GL, SSFR_BACKEND_CPU }; /* the words of --backend, in their order */
 
@@ -27,8 +28,14 @@ typedef struct ssfr_setup {
 SSFR_MUST ssfr_result ssfr_setup_find_pipeline(const ssfr_pipeline **out, const char *name);
 SSFR_MUST ssfr_result ssfr_setup_find_pass(const ssfr_pass **out, const char *name);
 
+/* The settings of a scene file; those of passes that this graph has not are left alone. */
+SSFR_MUST ssfr_result ssfr_setup_apply_scene(ssfr_graph *graph, const ssfr_description *description);
+
 /* pass NULL: the pipeline that the options name; else that pass by itself. */
 SSFR_MUST ssfr_result ssfr_setup_init(ssfr_setup *setup, const ssfr_setup_options *options, const ssfr_pass *pass);
+/* The settings of the scene, and then again those of the options, which count for more. description may be NULL. */
+SSFR_MUST ssfr_result ssfr_setup_scene(ssfr_setup *setup, const ssfr_setup_options *options,
+                                       const ssfr_description *description);
 void ssfr_setup_finish(ssfr_setup *setup);
 
 #endif

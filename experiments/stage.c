@@ -1,182 +1,70 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* stage.c: loading a scene by name and finding a view that frames it. */
+/* stage.c: loading a scene by name, and a frame of it. */
 #include "experiments/stage.h"
-#include "experiments/scenes/scenes.h"
-
-#include <unistd.h>
+#include "experiments/scenes/make.h"
 
 #define ROW(...) SSFR_OPTION(ssfr_stage_options, __VA_ARGS__)
-const ssfr_option ssfr_stage_rows[] = {
-    ROW(radius, "radius", 0, NUMBER, "M", "particle radius, m (default: the file's, else estimated)", 1e-9, 1e9),
-    ROW(drop_nonfinite, "drop-nonfinite", 0, FLAG, NULL, "drop particles with a NaN or infinite value", 0, 0),
-    ROW(size, "size", 0, SIZE, "WxH", "image size, px (default 1280x720)", 0, 0),
-    ROW(eye, "eye", 0, VECTOR, "X,Y,Z", "camera position, m (default: where all particles just fit)", 0, 0),
-    ROW(target, "target", 0, VECTOR, "X,Y,Z", "the point looked at, m (default: the middle)", 0, 0),
-    ROW(up, "up", 0, VECTOR, "X,Y,Z", "the direction that is up in the image (default 0,1,0)", 0, 0),
-    ROW(fov_deg, "fov", 0, NUMBER, "DEG", "full vertical field of view (default 45)", 0.001, 179),
+const ssfr_option ssfr_scene_rows[] = {
+    ROW(scale, "scale", 0, WORD, "quick|full",
+        "particles of a simulated scene: a sixteenth of the paper's (default), or all", 0, 0),
+    ROW(frame, "frame", 0, INTEGER, "N", "the frame (default: the one two thirds of the way)", 0, SSFR_MAX_FRAME),
+    ROW(time, "time", 0, NUMBER, "S", "the frame of a simulated scene that is nearest to this time, s", 0, 1e9),
+    ROW(cache, "cache", 0, TEXT, "DIR",
+        "where simulated frames are kept (default: ssfr/scenes in $XDG_CACHE_HOME or ~/.cache)", 0, 0),
     SSFR_OPTION_END,
 };
 
-static const double margin = 0.05;       /* of half the image, left free around the framed box */
-static const double elevation = 25;      /* degrees above the horizon that the default view looks down from */
-static const double depth_ratio = 1e4;   /* far over near at most: what is left of window depth */
-static const double range_slack = 1.01;  /* near and far stand this far off the particles */
+const ssfr_option ssfr_file_rows[] = {
+    ROW(radius, "radius", 0, NUMBER, "M", "particle radius, m (default: the file's, else estimated)", 1e-9, 1e9),
+    ROW(drop_nonfinite, "drop-nonfinite", 0, FLAG, NULL, "drop particles with a NaN or infinite value", 0, 0),
+    ROW(unit, "unit", 0, NUMBER, "M", "the file's unit of length, m (default 1)", 1e-9, 1e9),
+    ROW(up_axis, "up-axis", 0, WORD, "x|y|z", "the file's axis that points up (default y)", 0, 0),
+    ROW(map, "map", 0, TEXT, "NAME=PATH,..", "where an HDF5 file has its arrays: position=/a/x,velocity=/a/v", 0, 0),
+    SSFR_OPTION_END,
+};
+
+const ssfr_option ssfr_view_rows[] = {
+    ROW(size, "size", 0, SIZE, "WxH", "image size, px (default 1280x720)", 0, 0),
+    ROW(camera, "camera", 0, TEXT, "NAME", "a camera of the scene (default: its first; ssfr scene info lists them)", 0,
+        0),
+    ROW(eye, "eye", 0, VECTOR, "X,Y,Z", "camera position, m (default: the scene's, else where all particles just fit)",
+        0, 0),
+    ROW(target, "target", 0, VECTOR, "X,Y,Z", "the point looked at, m (default: the scene's, else the middle)", 0, 0),
+    ROW(up, "up", 0, VECTOR, "X,Y,Z", "the direction that is up in the image (default: the scene's, else 0,1,0)", 0, 0),
+    ROW(fov_deg, "fov", 0, NUMBER, "DEG", "full vertical field of view (default: the scene's, else 45)", 0.001, 179),
+    SSFR_OPTION_END,
+};
 
 void ssfr_stage_defaults(ssfr_stage_options *options)
 {
     *options = (ssfr_stage_options){
-        .eye = {NAN, NAN, NAN}, .target = {NAN, NAN, NAN}, .up = {NAN, NAN, NAN},
-        .fov_deg = 45, .size = {1280, 720}, .seed = 1};
+        .unit = 1, .up_axis = 1, .frame = -1, .time = NAN, .eye = {NAN, NAN, NAN}, .target = {NAN, NAN, NAN},
+        .up = {NAN, NAN, NAN}, .fov_deg = NAN, .size = {1280, 720}, .seed = 1};
 }
 
-void ssfr_stage_bounds(const ssfr_stage *stage, double lo[3], double hi[3])
+ssfr_load_options ssfr_stage_load_options(const ssfr_stage_options *options)
 {
-    ssfr_particles_bounds(stage->particles, lo, hi);
-    for (int k = 0; k < 3 && stage->particles->n; k++) {
-        lo[k] -= stage->particles->radius;
-        hi[k] += stage->particles->radius;
-    }
+    return (ssfr_load_options){.radius = options->radius, .unit = options->unit, .up = "xyz"[options->up_axis],
+                               .map = options->map, .drop_nonfinite = options->drop_nonfinite};
 }
 
-/* ---- the view ---------------------------------------------------------------------------------------------------- */
+/* ---- which frames there are -------------------------------------------------------------------------------------- */
 
-/* A corner of the box relative to a point, in the camera's axes. */
-static void corner_from(const ssfr_camera *camera, const double lo[3], const double hi[3], int corner,
-                        const double origin[3], double out[3])
-{
-    double p[3];
-    for (int k = 0; k < 3; k++) p[k] = (corner >> k & 1 ? hi[k] : lo[k]) - origin[k];
-    out[0] = ssfr_dot(camera->right, p);
-    out[1] = ssfr_dot(camera->up, p);
-    out[2] = ssfr_dot(camera->back, p);
-}
-
-/* How far from the target an eye along `back` must be for the box to fill the view up to the margin, m: a corner at
- * (x, y, z) from the target fits from D on where |x| = (1 - margin) tan_x (D - z), and the same in y. */
-static double framing_distance(const ssfr_camera *camera, const double lo[3], const double hi[3],
-                               const double target[3])
-{
-    double distance = 0;
-    for (int i = 0; i < 8; i++) {
-        double p[3];
-        corner_from(camera, lo, hi, i, target, p);
-        distance = fmax(distance, p[2] + fabs(p[0]) / ((1 - margin) * camera->tan_x));
-        distance = fmax(distance, p[2] + fabs(p[1]) / ((1 - margin) * camera->tan_y));
-    }
-    return distance > 0 ? distance : 1;
-}
-
-/* near and far around the box, with room for splats that are drawn wider than their particles. An eye inside or
- * beside it sees from far / depth_ratio on. */
-static void set_range(ssfr_camera *camera, const double lo[3], const double hi[3], double room)
-{
-    double nearest = INFINITY, farthest = 0;
-    for (int i = 0; i < 8; i++) {
-        double p[3];
-        corner_from(camera, lo, hi, i, camera->eye, p);
-        nearest = fmin(nearest, -p[2]);
-        farthest = fmax(farthest, -p[2]);
-    }
-    camera->far = farthest > 0 ? range_slack * (farthest + room) : 1; /* all behind the eye: any range will do */
-    camera->near = fmax((nearest - room) / range_slack, camera->far / depth_ratio);
-}
-
-/* From the long side, slightly above. */
-static void default_direction(const double lo[3], const double hi[3], double from[3])
-{
-    const double angle = elevation * acos(-1) / 180;
-    const int across = hi[0] - lo[0] >= hi[2] - lo[2] ? 2 : 0;
-    from[0] = from[2] = 0;
-    from[across] = cos(angle);
-    from[1] = sin(angle);
-}
-
-/* 0,1,0 unless given; the far side of the ground when the view is straight up or down. */
-static void choose_up(const ssfr_stage_options *options, const double from[3], double up[3])
-{
-    static const double vertical[3] = {0, 1, 0}, away[3] = {0, 0, -1};
-    const bool steep = hypot(from[0], from[2]) <= 1e-6 * fabs(from[1]);
-    memcpy(up, !isnan(options->up[0]) ? options->up : steep ? away : vertical, 3 * sizeof *up);
-}
-
-static void empty_box(double lo[3], double hi[3])
-{
-    for (int k = 0; k < 3; k++) lo[k] = -0.5, hi[k] = 0.5;
-}
-
-void ssfr_stage_view_box(const ssfr_stage *stage, double lo[3], double hi[3])
-{
-    const double top = stage->builtin ? stage->builtin->top : 0;
-    ssfr_stage_bounds(stage, lo, hi);
-    if (stage->particles->n == 0) empty_box(lo, hi);
-    if (top != 0) hi[1] = fmin(hi[1], top);
-}
-
-/* The direction towards the eye: where the user put it, else the scene's, else the default. */
-static void choose_direction(const ssfr_stage *stage, const ssfr_stage_options *options, const double lo[3],
-                             const double hi[3], const double target[3], double from[3])
-{
-    default_direction(lo, hi, from);
-    if (stage->builtin && ssfr_dot(stage->builtin->from, stage->builtin->from) > 0)
-        memcpy(from, stage->builtin->from, sizeof stage->builtin->from);
-    for (int k = 0; k < 3 && !isnan(options->eye[0]); k++) from[k] = options->eye[k] - target[k];
-}
-
-ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options *options)
+static ssfr_result open_described(ssfr_stage *stage, const ssfr_stage_options *options)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_camera camera;
-    double lo[3], hi[3], target[3], from[3], eye[3], up[3];
-    const double fov = options->fov_deg * acos(-1) / 180;
-    ssfr_stage_view_box(stage, lo, hi);
-    for (int k = 0; k < 3; k++) target[k] = isnan(options->target[0]) ? 0.5 * (lo[k] + hi[k]) : options->target[k];
-    choose_direction(stage, options, lo, hi, target, from);
-    choose_up(options, from, up);
-    for (int k = 0; k < 3; k++) eye[k] = target[k] + from[k];
-    SSFR_TRY(ssfr_camera_look(&camera, eye, target, up, fov, options->size[0], options->size[1]));
-    if (isnan(options->eye[0])) {
-        const double distance = framing_distance(&camera, lo, hi, target);
-        for (int k = 0; k < 3; k++) camera.eye[k] = target[k] + distance * camera.back[k];
-    }
-    ssfr_stage_bounds(stage, lo, hi);
-    if (stage->particles->n == 0) empty_box(lo, hi);
-    set_range(&camera, lo, hi, 2 * stage->particles->radius);
-    stage->scene.camera = camera;
+    SSFR_TRY(ssfr_scene_describe(&stage->source, (ssfr_scale)options->scale, &stage->description));
+    const ssfr_description *d = stage->description;
+    SSFR_TRY(ssfr_make_folder(d, options->cache, options->seed, &stage->folder));
+    SSFR_TRY(ssfr_alloc(&stage->frames, (size_t)d->n_frames, sizeof *stage->frames, "the numbers of frames"));
+    for (; stage->n_frames < (size_t)d->n_frames; stage->n_frames++)
+        stage->frames[stage->n_frames] = (long)stage->n_frames;
+    if (d->environment) SSFR_TRY(ssfr_exr_load(d->environment, "R,G,B", &stage->environment));
 end:
     return result;
 }
 
-/* ---- the particles ----------------------------------------------------------------------------------------------- */
-
-static ssfr_result fail_unknown(const char *scene)
-{
-    char names[512] = "";
-    size_t used = 0;
-    for (int i = 0; ssfr_builtin_at(i) && used < sizeof names; i++)
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", ssfr_builtin_at(i)->name);
-    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no such file, and not a built-in scene (%s)", scene, names);
-}
-
-static ssfr_result load_file(ssfr_stage *stage, const char *path, const ssfr_stage_options *options)
-{
-    ssfr_load_options load = {.radius = options->radius, .drop_nonfinite = options->drop_nonfinite};
-    if (access(path, F_OK) != 0) return fail_unknown(path);
-    const ssfr_result result = ssfr_particles_load(&stage->particles, path, &load);
-    stage->n_dropped = load.n_dropped;
-    if (result == SSFR_OK && load.n_dropped)
-        ssfr_log(SSFR_WARNING, "%s: dropped %zu particles with a value that is not finite", path, load.n_dropped);
-    return result;
-}
-
-static double choose_floor(const ssfr_stage *stage)
-{
-    double lo[3], hi[3];
-    if (stage->builtin && !isnan(stage->builtin->floor)) return stage->builtin->floor;
-    ssfr_stage_bounds(stage, lo, hi);
-    return lo[1];
-}
-
-ssfr_result ssfr_stage_create(ssfr_stage **out, const char *scene, const ssfr_stage_options *options)
+ssfr_result ssfr_stage_open(ssfr_stage **out, const char *scene, const ssfr_stage_options *options)
 {
     ssfr_result result = SSFR_OK;
     ssfr_stage *stage = NULL;
@@ -184,18 +72,13 @@ ssfr_result ssfr_stage_create(ssfr_stage **out, const char *scene, const ssfr_st
     SSFR_TRY(ssfr_alloc(&stage, 1, sizeof *stage, "a stage"));
     SSFR_TRY(ssfr_alloc(&stage->name, strlen(scene) + 1, 1, "a name"));
     strcpy(stage->name, scene);
-    stage->builtin = ssfr_builtin_find(scene);
-    if (stage->builtin)
-        SSFR_TRY(stage->builtin->make(&stage->particles, options->seed));
-    else
-        SSFR_TRY(load_file(stage, scene, options));
-    if (options->radius > 0) stage->particles->radius = options->radius;
-    for (int i = 0; stage->builtin && i < stage->builtin->n_solids; i++) stage->solids[i] = stage->builtin->solids[i];
-    stage->scene = (ssfr_scene){.particles = stage->particles,
-                                .solids = stage->solids,
-                                .n_solids = stage->builtin ? stage->builtin->n_solids : 0,
-                                .floor = choose_floor(stage)};
-    SSFR_TRY(ssfr_stage_aim(stage, options));
+    stage->frame = -1;
+    stage->time = NAN;
+    SSFR_TRY(ssfr_scene_find(scene, &stage->source));
+    if (stage->source.kind == SSFR_SCENE_DESCRIBED)
+        SSFR_TRY(open_described(stage, options));
+    else if (stage->source.kind == SSFR_SCENE_SEQUENCE)
+        SSFR_TRY(ssfr_sequence_frames(scene, &ssfr_frame_range_all, &stage->n_frames, &stage->frames));
     *out = stage;
     stage = NULL;
 end:
@@ -203,12 +86,189 @@ end:
     return result;
 }
 
+ssfr_result ssfr_stage_choose(const ssfr_stage *stage, const ssfr_frame_range *range, size_t *n, long **frames)
+{
+    *n = 0;
+    *frames = NULL;
+    if (stage->n_frames == 0) return ssfr_fail(SSFR_ERR_VALUE, "%s: has no frames", stage->name);
+    return ssfr_frame_range_choose(range, stage->name, stage->n_frames, stage->frames, n, frames);
+}
+
+static ssfr_result frame_at(const ssfr_stage *stage, double time, long *frame)
+{
+    const ssfr_description *d = stage->description;
+    if (!d) return ssfr_fail(SSFR_ERR_VALUE, "%s: nothing tells when its frames are: give --frame N", stage->name);
+    *frame = lround(fmin(time * d->frame_rate, SSFR_MAX_FRAME));
+    return SSFR_OK;
+}
+
+/* The frame that the options name; one that is not there is refused. */
+static ssfr_result find_frame(const ssfr_stage *stage, const ssfr_stage_options *options, long *frame)
+{
+    ssfr_result result = SSFR_OK;
+    const size_t n = stage->n_frames;
+    bool found = false;
+    *frame = options->frame;
+    if (n == 0 && (options->frame >= 0 || !isnan(options->time)))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: has no frames", stage->name);
+    if (n == 0) return SSFR_OK;
+    if (options->frame >= 0 && !isnan(options->time))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: --frame and --time both say which", stage->name);
+    if (!isnan(options->time)) SSFR_TRY(frame_at(stage, options->time, frame));
+    if (*frame < 0) *frame = stage->frames[n * 2 / 3];
+    for (size_t i = 0; i < n && !found; i++) found = stage->frames[i] == *frame;
+    if (!found)
+        result = ssfr_fail(SSFR_ERR_VALUE, "%s: there is no frame %ld: they go from %ld to %ld", stage->name, *frame,
+                           stage->frames[0], stage->frames[n - 1]);
+end:
+    return result;
+}
+
+/* ---- a frame ----------------------------------------------------------------------------------------------------- */
+
+static ssfr_result load_file(ssfr_stage *stage, const char *path, const ssfr_stage_options *options,
+                             ssfr_particles **out)
+{
+    ssfr_load_options load = ssfr_stage_load_options(options);
+    const ssfr_result result = ssfr_particles_load(out, path, &load);
+    stage->n_dropped = load.n_dropped;
+    if (result == SSFR_OK && load.n_dropped)
+        ssfr_log(SSFR_WARNING, "%s: dropped %zu particles with a value that is not finite", path, load.n_dropped);
+    return result;
+}
+
+static ssfr_result load_of_sequence(ssfr_stage *stage, const ssfr_stage_options *options, long frame,
+                                    ssfr_particles **out)
+{
+    char *path = NULL;
+    ssfr_result result = ssfr_sequence_path(stage->name, frame, &path);
+    if (result == SSFR_OK) result = load_file(stage, path, options, out);
+    free(path);
+    return result;
+}
+
+static ssfr_result make_frames(const ssfr_stage *stage, const ssfr_stage_options *options, long last)
+{
+    const ssfr_make_options make = {.cache = options->cache, .seed = options->seed, .last = (int)last};
+    return ssfr_make(stage->description, &make);
+}
+
+static ssfr_result load_made(const ssfr_stage *stage, long frame, bool foam, ssfr_particles **out)
+{
+    char *path = NULL;
+    ssfr_result result = ssfr_make_path(stage->folder, (int)frame, foam, &path);
+    if (result == SSFR_OK) result = ssfr_particles_load(out, path, NULL);
+    free(path);
+    return result;
+}
+
+/* Fluid, and foam where there is any, of a frame. */
+static ssfr_result load_frame(ssfr_stage *stage, const ssfr_stage_options *options, long frame, ssfr_particles **fluid,
+                              ssfr_particles **foam)
+{
+    ssfr_result result = SSFR_OK;
+    switch (stage->source.kind) {
+    case SSFR_SCENE_BUILTIN: SSFR_TRY(stage->source.builtin->make(fluid, options->seed)); break;
+    case SSFR_SCENE_PARTICLES: SSFR_TRY(load_file(stage, stage->name, options, fluid)); break;
+    case SSFR_SCENE_SEQUENCE: SSFR_TRY(load_of_sequence(stage, options, frame, fluid)); break;
+    default:
+        SSFR_TRY(make_frames(stage, options, frame));
+        SSFR_TRY(load_made(stage, frame, false, fluid));
+        if (stage->description->has_foam) SSFR_TRY(load_made(stage, frame, true, foam));
+    }
+    if (options->radius > 0) (*fluid)->radius = options->radius;
+end:
+    if (result != SSFR_OK) ssfr_particles_destroy(fluid);
+    return result;
+}
+
+/* Those that are drawn, where they are now; how many. */
+static int place_solids(ssfr_stage *stage)
+{
+    const ssfr_builtin *builtin = stage->source.builtin;
+    const ssfr_description *d = stage->description;
+    int n = 0;
+    for (int i = 0; builtin && i < builtin->n_solids; i++) stage->solids[n++] = builtin->solids[i];
+    for (int i = 0; d && i < d->n_bodies && n < SSFR_MAX_SOLIDS; i++)
+        if (!d->bodies[i].hidden) stage->solids[n++] = ssfr_body_at(d, &d->bodies[i], stage->time);
+    return n;
+}
+
+static double choose_floor(const ssfr_stage *stage)
+{
+    const ssfr_builtin *builtin = stage->source.builtin;
+    double lo[3], hi[3];
+    if (stage->description) return stage->description->floor;
+    if (builtin && !isnan(builtin->floor)) return builtin->floor;
+    if (stage->is_held) return stage->held_lo[1];
+    ssfr_stage_bounds(stage, lo, hi);
+    return lo[1];
+}
+
+ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options, long frame)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_particles *fluid = NULL, *foam = NULL;
+    if (frame < 0) SSFR_TRY(find_frame(stage, options, &frame));
+    SSFR_TRY(load_frame(stage, options, frame, &fluid, &foam));
+    ssfr_particles_destroy(&stage->particles);
+    ssfr_particles_destroy(&stage->foam);
+    stage->particles = fluid;
+    stage->foam = foam;
+    stage->frame = frame;
+    if (stage->description) stage->time = (double)frame / stage->description->frame_rate;
+    stage->scene = (ssfr_scene){.particles = stage->particles,
+                                .solids = stage->solids,
+                                .n_solids = place_solids(stage),
+                                .floor = choose_floor(stage),
+                                .environment = stage->environment};
+    SSFR_TRY(ssfr_stage_aim(stage, options));
+end:
+    return result;
+}
+
+ssfr_result ssfr_stage_hold(ssfr_stage *stage, const ssfr_stage_options *options, size_t n, const long *frames)
+{
+    ssfr_result result = SSFR_OK;
+    const long some[] = {frames[0], frames[n / 2], frames[n - 1]};
+    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
+    if (stage->description) SSFR_TRY(make_frames(stage, options, frames[n - 1]));
+    stage->is_held = false;
+    for (size_t i = 0; i < SSFR_COUNT(some); i++) {
+        double from[3], to[3];
+        SSFR_TRY(ssfr_stage_show(stage, options, some[i]));
+        ssfr_stage_view_box(stage, from, to);
+        for (int k = 0; k < 3; k++) lo[k] = fmin(lo[k], from[k]), hi[k] = fmax(hi[k], to[k]);
+    }
+    memcpy(stage->held_lo, lo, sizeof lo);
+    memcpy(stage->held_hi, hi, sizeof hi);
+    stage->is_held = true;
+end:
+    return result;
+}
+
+ssfr_result ssfr_stage_create(ssfr_stage **out, const char *scene, const ssfr_stage_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_stage_open(out, scene, options));
+    SSFR_TRY(ssfr_stage_show(*out, options, -1));
+end:
+    if (result != SSFR_OK) ssfr_stage_destroy(out);
+    return result;
+}
+
 void ssfr_stage_destroy(ssfr_stage **stage)
 {
-    if (*stage) {
-        ssfr_particles_destroy(&(*stage)->particles);
-        free((*stage)->name);
+    ssfr_stage *s = *stage;
+    if (s) {
+        ssfr_particles_destroy(&s->particles);
+        ssfr_particles_destroy(&s->foam);
+        ssfr_field_destroy(&s->environment);
+        ssfr_description_destroy(&s->description);
+        free(s->folder);
+        free(s->frames);
+        free(s->name);
     }
-    free(*stage);
+    free(s);
     *stage = NULL;
 }

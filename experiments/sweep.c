@@ -177,8 +177,9 @@ static uint64_t hash_settings(uint64_t hash, const ssfr_settings *settings)
 static uint64_t identity_of(const sweep *s)
 {
     const ssfr_stage_options *v = &s->o->stage;
-    const double view[] = {v->radius, v->fov_deg, v->eye[0], v->eye[1], v->eye[2], v->target[0],
-                           v->target[1], v->target[2], v->up[0], v->up[1], v->up[2]};
+    const double view[] = {v->radius, v->unit, v->time, (double)v->frame, v->scale, v->up_axis, v->fov_deg,
+                           v->eye[0], v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2],
+                           v->up[0], v->up[1], v->up[2]};
     char text[512];
     uint64_t hash = ssfr_hash_text(SSFR_HASH, ssfr_pipeline_name(s->pipeline));
     hash = hash_settings(hash_settings(hash, &s->spec->settings), &s->spec->reference);
@@ -186,6 +187,7 @@ static uint64_t identity_of(const sweep *s)
              s->spec->has_reference, s->o->seed, v->drop_nonfinite, s->o->quick, s->o->no_twin);
     hash = ssfr_hash_text(hash, text);
     hash = ssfr_hash_bytes(hash, view, sizeof view);
+    hash = ssfr_hash_text(ssfr_hash_text(hash, v->camera ? v->camera : ""), v->map ? v->map : "");
     ssfr_meta_processor(text, sizeof text);
     hash = ssfr_hash_text(hash, text);
     return s->gl ? ssfr_hash_text(ssfr_hash_text(hash, ssfr_gl_renderer(s->gl)), ssfr_gl_version(s->gl)) : hash;

@@ -187,7 +187,7 @@ static void what_a_pipeline_does_not_take_is_refused(void **state)
         {SSFR_ERR_VALUE, "sphere_depth.splat=exact,exactly", "sphere_depth.splat=exactly: expected one of"},
         {SSFR_ERR_VALUE, "backend=gl,vulkan", "--vary: backend vulkan: expected gl or cpu"},
         {SSFR_ERR_VALUE, "size=64x48,64", "--vary: size 64: expected WxH"},
-        {SSFR_ERR_UNKNOWN, "scene=block,/nowhere/at.all", "--vary: scene /nowhere/at.all: neither a built-in scene"},
+        {SSFR_ERR_UNKNOWN, "scene=block,/nowhere/at.all", "--vary: /nowhere/at.all: no such file"},
     };
     for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
         ssfr_sweep_spec *spec = NULL;

@@ -80,3 +80,15 @@ end:
     discard(&u);
     return result;
 }
+
+ssfr_result ssfr_embedded_mesh(ssfr_mesh **out, const char *name)
+{
+    ssfr_result result = SSFR_OK;
+    unpacked u;
+    *out = NULL;
+    SSFR_TRY(unpack(&u, name));
+    SSFR_TRY(ssfr_mesh_load(out, u.path));
+end:
+    discard(&u);
+    return result;
+}

@@ -15,5 +15,6 @@ const ssfr_embedded *ssfr_embedded_at(int i);
 const ssfr_embedded *ssfr_embedded_find(const char *name); /* NULL when there is none */
 
 SSFR_MUST ssfr_result ssfr_embedded_particles(ssfr_particles **out, const char *name);
+SSFR_MUST ssfr_result ssfr_embedded_mesh(ssfr_mesh **out, const char *name); /* also as an ssfr_mesh_loader */
 
 #endif

@@ -7,6 +7,8 @@
 #include "experiments/json.h"
 #include "experiments/scenes/simulation.h"
 
+#include "scene/mesh.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -26,6 +28,11 @@ uint64_t ssfr_make_key(const ssfr_description *description, uint64_t seed)
     uint64_t hash = ssfr_hash_text(SSFR_HASH, description->text);
     hash = ssfr_hash_bytes(hash, numbers, sizeof numbers);
     hash = ssfr_hash_bytes(hash, &seed, sizeof seed);
+    for (int i = 0; i < description->n_bodies; i++) {
+        const ssfr_mesh *mesh = description->bodies[i].mesh;
+        for (size_t t = 0; mesh && t < mesh->n_triangles; t++)
+            hash = ssfr_hash_bytes(hash, mesh->triangles[t].corner, sizeof mesh->triangles[t].corner);
+    }
     return hash;
 }
 
@@ -41,9 +48,10 @@ static ssfr_result find_cache(const char *given, char *text, size_t size)
     else if (home && home[0])
         length = snprintf(text, size, "%s/.cache/ssfr/scenes", home);
     else
-        return ssfr_fail(SSFR_ERR_IO, "neither XDG_CACHE_HOME nor HOME says where frames may be kept: give --cache DIR");
+        return ssfr_fail(SSFR_ERR_IO, "neither XDG_CACHE_HOME nor HOME says where frames are kept: give --cache DIR");
     if (length < 1 || (size_t)length >= size)
-        return ssfr_fail(SSFR_ERR_VALUE, "the folder for frames must have from 1 to %zu bytes, has %d", size - 1, length);
+        return ssfr_fail(SSFR_ERR_VALUE, "the folder for frames has a name of %d bytes: expected 1 to %zu", length,
+                         size - 1);
     return SSFR_OK;
 }
 
@@ -231,21 +239,38 @@ end:
     return result;
 }
 
-static bool is_whole(const making *m, const state_head *head, const char *bytes, size_t size)
+static ssfr_result look_at_state(const making *m, const char *path, bool *whole)
 {
-    return memcmp(head->magic, magic, sizeof magic) == 0 && head->key == m->key && head->size == size &&
-           head->hash == ssfr_hash_bytes(SSFR_HASH, bytes, size);
+    enum { MAX_GIB = 16 };
+    char *text = NULL;
+    size_t size = 0;
+    state_head head;
+    const ssfr_result result = ssfr_read_file(path, (size_t)MAX_GIB << 30, &text, &size);
+    *whole = result == SSFR_OK && size > sizeof head;
+    if (*whole) {
+        memcpy(&head, text, sizeof head);
+        size -= sizeof head;
+        *whole = memcmp(head.magic, magic, sizeof magic) == 0 && head.key == m->key && head.size == size &&
+                 head.hash == ssfr_hash_bytes(SSFR_HASH, text + sizeof head, size);
+    }
+    free(text);
+    return result;
 }
 
-static ssfr_result take_state(making *m, const state_head *head, char *bytes)
+/* From the file itself: the readers hold what it says against its size. */
+static ssfr_result take_state(making *m, const char *path)
 {
     ssfr_result result = SSFR_OK;
-    FILE *memory = fmemopen(bytes, head->size, "rb");
-    if (!memory) return ssfr_fail(SSFR_ERR_MEMORY, "no memory for the state of a simulation");
-    SSFR_TRY(ssfr_simulation_read(m->simulation, memory));
-    m->seconds = head->seconds;
+    state_head head;
+    FILE *file = fopen(path, "rb");
+    if (!file || fread(&head, sizeof head, 1, file) != 1) {
+        result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+        goto end;
+    }
+    SSFR_TRY(ssfr_simulation_read(m->simulation, file));
+    m->seconds = head.seconds;
 end:
-    fclose(memory);
+    if (file) fclose(file);
     return result;
 }
 
@@ -253,17 +278,14 @@ end:
  * simulation stays at its beginning. */
 static ssfr_result resume(making *m)
 {
-    enum { MAX_GIB = 16 };
     ssfr_result result = SSFR_OK;
-    char *path = NULL, *text = NULL;
-    size_t size = 0;
-    state_head head;
+    char *path = NULL;
+    bool whole = false;
     SSFR_TRY(state_path(m, &path));
     if (access(path, F_OK) != 0) goto end;
-    SSFR_TRY(ssfr_read_file(path, (size_t)MAX_GIB << 30, &text, &size));
-    if (size > sizeof head) memcpy(&head, text, sizeof head);
-    if (size > sizeof head && is_whole(m, &head, text + sizeof head, size - sizeof head))
-        SSFR_TRY(take_state(m, &head, text + sizeof head));
+    SSFR_TRY(look_at_state(m, path, &whole));
+    if (whole)
+        SSFR_TRY(take_state(m, path));
     else
         ssfr_log(SSFR_WARNING, "%s: damaged: all frames are made anew", path);
     if (ssfr_make_count(m->folder) <= ssfr_simulation_frame(m->simulation)) { /* some were removed */
@@ -273,7 +295,6 @@ static ssfr_result resume(making *m)
     }
 end:
     free(path);
-    free(text);
     return result;
 }
 

@@ -13,7 +13,8 @@ extern const char *const ssfr_scale_words[]; /* "quick", "full", NULL */
  * SSFR_SOLVER_VERSION. */
 uint64_t ssfr_make_key(const ssfr_description *description, uint64_t seed);
 
-/* The folder of a description's frames: of its name, scale and key. cache NULL: $XDG_CACHE_HOME or ~/.cache. To free(). */
+/* The folder of a description's frames: of its name, scale and key. cache NULL: $XDG_CACHE_HOME or ~/.cache. To
+ * free(). */
 SSFR_MUST ssfr_result ssfr_make_folder(const ssfr_description *description, const char *cache, uint64_t seed,
                                        char **out);
 

@@ -55,7 +55,10 @@ ssfr_result ssfr_simulation_create(ssfr_simulation **out, const ssfr_description
     SSFR_TRY(ssfr_alloc(&s->obstacles, (size_t)d->n_bodies, sizeof *s->obstacles, "obstacles"));
     SSFR_TRY(ssfr_alloc(&s->emitted, (size_t)d->n_emitters, sizeof *s->emitted, "counts of emitters"));
     SSFR_TRY(ssfr_solver_create(&s->solver, &d->solver));
-    if (d->has_foam) SSFR_TRY(ssfr_foam_create(&s->foam, &d->foam, d->solver.gravity, seed));
+    if (d->has_foam) {
+        SSFR_TRY(ssfr_foam_create(&s->foam, &d->foam, d->solver.gravity, seed));
+        ssfr_foam_bound(s->foam, d->solver.lo, d->solver.hi, d->solver.open);
+    }
     SSFR_TRY(fill(s));
     *out = s;
     s = NULL;
@@ -236,7 +239,7 @@ static ssfr_result fail_blown_up(const ssfr_simulation *s, double limit)
     const ssfr_fluid fluid = ssfr_solver_fluid(s->solver);
     const size_t i = fastest(&fluid);
     const float *v = fluid.velocity + 3 * i;
-    return ssfr_fail(SSFR_ERR_VALUE, "particle %zu of %zu has a velocity of (%g, %g, %g) m/s, which needs steps of %g s",
+    return ssfr_fail(SSFR_ERR_VALUE, "particle %zu of %zu has a velocity of (%g, %g, %g) m/s: steps of %g s",
                      i, fluid.n, (double)v[0], (double)v[1], (double)v[2], limit);
 }
 
@@ -264,7 +267,6 @@ static ssfr_result step(ssfr_simulation *s, double end)
     if (s->foam && s->frame >= 0) { /* what settles at rest makes none */
         const ssfr_fluid fluid = ssfr_solver_fluid(s->solver);
         SSFR_TRY(ssfr_foam_step(s->foam, &fluid, dt, s->d->n_bodies, s->obstacles));
-        ssfr_foam_keep(s->foam, s->d->solver.lo, s->d->solver.hi);
     }
 end:
     return result;
