@@ -9,8 +9,8 @@ BUILD := build$(if $(SAN),/san)
 
 # Debian and Ubuntu package names; docs/dependencies.md says why each is here.
 PACKAGES := gcc g++ libc6-dev make pkg-config libepoxy-dev libegl-dev libegl-mesa0 libgl1-mesa-dri libopenexr-dev \
-            libpng-dev zlib1g-dev libhdf5-dev libyaml-dev libgsl-dev libopencv-dev libopencv-contrib-dev libcmocka-dev \
-            gnuplot-nox
+            libpng-dev zlib1g-dev libhdf5-dev libexpat1-dev libyaml-dev libgsl-dev libopencv-dev \
+            libopencv-contrib-dev libcmocka-dev gnuplot-nox
 
 comma := ,
 OPT := $(if $(SAN),-O1 -fsanitize=address$(comma)undefined -fno-sanitize-recover=all -fno-omit-frame-pointer,-O2)
@@ -19,8 +19,9 @@ CFLAGS_ALL = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) -fvisibility=hidden $(CFLAGS)
 CXXFLAGS_ALL = -std=c++17 $(FLAGS) -isystem /usr/include/opencv4 $(CXXFLAGS)
 
 PKG = $(shell pkg-config $(1) 2>/dev/null)
-LIB_CFLAGS := $(call PKG,--cflags epoxy libpng zlib hdf5) $(patsubst -I%,-isystem %,$(call PKG,--cflags-only-I OpenEXR))
-LIB_LIBS := $(call PKG,--libs epoxy libpng zlib hdf5) -lEGL -lOpenEXRCore -lm
+LIB_PKGS := epoxy libpng zlib hdf5 expat
+LIB_CFLAGS := $(call PKG,--cflags $(LIB_PKGS)) $(patsubst -I%,-isystem %,$(call PKG,--cflags-only-I OpenEXR))
+LIB_LIBS := $(call PKG,--libs $(LIB_PKGS)) -lEGL -lOpenEXRCore -lm
 METRICS_LIBS := -lopencv_quality -lopencv_imgproc -lopencv_core -lstdc++
 APP_CFLAGS := $(call PKG,--cflags yaml-0.1 gsl)
 APP_LIBS := $(call PKG,--libs yaml-0.1 gsl)
@@ -148,7 +149,7 @@ install: all
 	ln -sf $(notdir $(SHARED)) $(DESTDIR)$(PREFIX)/lib/libssfr.so.$(SOVERSION)
 	ln -sf $(notdir $(SHARED)) $(DESTDIR)$(PREFIX)/lib/libssfr.so
 	printf '%s\n' 'prefix=$(PREFIX)' 'Name: ssfr' 'Description: screen-space fluid rendering, with its errors' \
-	  'Version: $(VERSION)' 'Requires.private: epoxy libpng zlib hdf5' 'Libs: -L$${prefix}/lib -lssfr' \
+	  'Version: $(VERSION)' 'Requires.private: $(LIB_PKGS)' 'Libs: -L$${prefix}/lib -lssfr' \
 	  'Libs.private: -fopenmp -lEGL -lOpenEXRCore -lm' 'Cflags: -I$${prefix}/include' \
 	  > $(DESTDIR)$(PREFIX)/lib/pkgconfig/ssfr.pc
 

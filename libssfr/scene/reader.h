@@ -64,7 +64,7 @@ enum {
 #include "scene/formats.def"
 #undef X
 ssfr_writer ssfr_hdf5_write, ssfr_ply_write, ssfr_vtk_write, ssfr_pos_write, ssfr_csv_write, ssfr_xyz_write,
-            ssfr_bgeo_write;
+            ssfr_bgeo_write, ssfr_vtp_write;
 
 enum { SSFR_READ_MAX_GIB = 8 };
 #define SSFR_READ_MAX ((size_t)SSFR_READ_MAX_GIB << 30) /* bytes, the largest file that is read whole */
