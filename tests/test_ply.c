@@ -264,6 +264,64 @@ static void a_file_cut_anywhere_or_damaged_never_harms(void **state)
     }
 }
 
+static void a_radius_may_be_a_property_of_one_value(void **state)
+{
+    (void)state;
+    static const char two[] = "element vertex 2\n" XYZ "property double Radius\n";
+    char header[256];
+    ssfr_particles *p = load(ascii(two, "0 0 0 0.25\n2.385 0 0 0.25\n"));
+    assert_true(p->radius == 0.25);
+    ssfr_particles_destroy(&p);
+    p = load(ascii(two, "0 0 0 0.25\n2.385 0 0 0.5\n"));
+    assert_close(p->radius, 1.1925, 1e-6, 0); /* from the spacing */
+    ssfr_particles_destroy(&p);
+    snprintf(header, sizeof header, "comment particle radius 0.5 m\n%s", two);
+    p = load(ascii(header, "0 0 0 0.25\n2.385 0 0 0.25\n"));
+    assert_true(p->radius == 0.5);
+    ssfr_particles_destroy(&p);
+    assert_refused(ascii(two, "0 0 0 0.25\n2.385 0 0 inf\n"), SSFR_ERR_FORMAT, "particle 1 (from 0): radius is inf m");
+}
+
+/* The two particles stay in the order given. */
+static void check_written(double x, const char *type, ssfr_scalar scalar)
+{
+    const double positions[] = {x, -0.5, 0.25, x, -0.5, 0.25};
+    float velocity[] = {1, -2.385f, 0.5f, 4, 5, -0.0f}, density[] = {998.5f, 1001.25f};
+    uint32_t kind[] = {0, 4294967295u};
+    ssfr_particles *p = NULL;
+    char *file = NULL;
+    size_t n = 0;
+    bytes b = {0};
+    const ssfr_particles given = {.velocity = velocity, .density = density, .kind = kind, .radius = 0.1};
+    put_text(&b, "ply\nformat binary_little_endian 1.0\ncomment metres, seconds, kilograms\n");
+    put_text(&b, "comment particle radius 0.10000000000000001 m\nelement vertex 2\n");
+    for (int k = 0; k < 3; k++) put_text(&b, "property %s %c\n", type, "xyz"[k]);
+    put_text(&b, "property float vx\nproperty float vy\nproperty float vz\nproperty float density\n");
+    put_text(&b, "property uint kind\nend_header\n");
+    for (size_t i = 0; i < 2; i++) {
+        for (size_t k = 0; k < 3; k++) put_number(&b, scalar, false, positions[3 * i + k]);
+        for (size_t k = 0; k < 3; k++) put_number(&b, SSFR_FLOAT32, false, (double)velocity[3 * i + k]);
+        put_number(&b, SSFR_FLOAT32, false, (double)density[i]);
+        put_number(&b, SSFR_UINT32, false, kind[i]);
+    }
+    assert_int_equal(ssfr_particles_create(&p, 2, positions, &given), SSFR_OK);
+    assert_int_equal(ssfr_particles_save(p, test_path("written.ply")), SSFR_OK);
+    assert_int_equal(ssfr_read_file(test_path("written.ply"), SSFR_READ_MAX, &file, &n), SSFR_OK);
+    assert_int_equal(n, b.n);
+    assert_memory_equal(file, b.data, n);
+    free(file);
+    ssfr_particles_destroy(&p);
+}
+
+static void positions_are_written_as_doubles_only_where_floats_would_lose(void **state)
+{
+    (void)state;
+    check_written(0.375, "float", SSFR_FLOAT32);
+    check_written(1e6 + 0.0625, "float", SSFR_FLOAT32);
+    check_written(2.385, "double", SSFR_FLOAT64);
+    check_written(1e6 + 0.03125, "double", SSFR_FLOAT64);
+}
+
 static void what_is_no_file_is_refused(void **state)
 {
     (void)state;
@@ -310,6 +368,8 @@ int main(void)
         cmocka_unit_test(a_bad_body_is_refused_with_the_particle),
         cmocka_unit_test(values_that_are_not_finite_are_refused_or_dropped),
         cmocka_unit_test(a_file_cut_anywhere_or_damaged_never_harms),
+        cmocka_unit_test(a_radius_may_be_a_property_of_one_value),
+        cmocka_unit_test(positions_are_written_as_doubles_only_where_floats_would_lose),
         cmocka_unit_test(what_is_no_file_is_refused),
         cmocka_unit_test(a_simulators_foam_has_kinds_and_lifetimes),
     };

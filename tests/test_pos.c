@@ -89,6 +89,44 @@ static void a_file_cut_anywhere_or_damaged_never_harms(void **state)
     check_damage("damaged.pos", b.data, b.n);
 }
 
+static ssfr_particles *make_two(double x, double radius)
+{
+    const double positions[] = {x, 0.25, -0.5, x + 0.75, 2, 1.5};
+    ssfr_particles *p = NULL;
+    assert_int_equal(ssfr_particles_create(&p, 2, positions, &(ssfr_particles){.radius = radius}), SSFR_OK);
+    return p;
+}
+
+static void what_is_written_is_count_radius_and_positions(void **state)
+{
+    (void)state;
+    const double numbers[] = {0.125, 0.25, -0.5, 0.875, 2, 1.5};
+    bytes expected = {0};
+    ssfr_particles *p = make_two(0.125, 2.385);
+    char *file = NULL;
+    size_t n = 0;
+    put_number(&expected, SSFR_UINT32, false, 2);
+    put_number(&expected, SSFR_FLOAT32, false, 2.385);
+    for (size_t k = 0; k < SSFR_COUNT(numbers); k++) put_number(&expected, SSFR_FLOAT32, false, numbers[k]);
+    assert_int_equal(ssfr_particles_save(p, test_path("two_written.pos")), SSFR_OK);
+    assert_int_equal(ssfr_read_file(test_path("two_written.pos"), SSFR_READ_MAX, &file, &n), SSFR_OK);
+    assert_int_equal(n, expected.n);
+    assert_memory_equal(file, expected.data, n);
+    free(file);
+    ssfr_particles_destroy(&p);
+}
+
+static void a_radius_that_was_not_known_stays_unknown(void **state)
+{
+    (void)state;
+    ssfr_particles *p = make_two(0.125, 0), *loaded = NULL;
+    assert_int_equal(ssfr_particles_save(p, test_path("unknown.pos")), SSFR_OK);
+    loaded = load(test_path("unknown.pos"));
+    assert_close(loaded->radius, 0.5 * sqrt(0.75 * 0.75 + 1.75 * 1.75 + 4), 0, 1e-6); /* from the spacing */
+    ssfr_particles_destroy(&p);
+    ssfr_particles_destroy(&loaded);
+}
+
 static void what_is_no_file_is_refused(void **state)
 {
     (void)state;
@@ -120,6 +158,8 @@ int main(void)
         cmocka_unit_test(a_bad_radius_is_refused_and_none_is_estimated),
         cmocka_unit_test(positions_that_are_not_finite_are_refused_or_dropped),
         cmocka_unit_test(a_file_cut_anywhere_or_damaged_never_harms),
+        cmocka_unit_test(what_is_written_is_count_radius_and_positions),
+        cmocka_unit_test(a_radius_that_was_not_known_stays_unknown),
         cmocka_unit_test(what_is_no_file_is_refused),
         cmocka_unit_test(the_sphere_drop_is_read),
     };

@@ -305,6 +305,67 @@ static void a_file_cut_anywhere_or_damaged_never_harms(void **state)
     }
 }
 
+static void a_radius_stands_in_the_files_own_field(void **state)
+{
+    (void)state;
+    static const char points[] = "POINTS 2 float\n0 0 0 2.385 0 0\n";
+    bytes b = {0};
+    put_text(&b, "DATASET POLYDATA\nFIELD FieldData 2\nTIME 1 1 double\n7\nRadius 1 1 float\n0.25\n%s", points);
+    ssfr_particles *p = load(ascii(b.data));
+    assert_true(p->radius == 0.25);
+    ssfr_particles_destroy(&p);
+    b = (bytes){0}; /* those of cells and points are not the file's */
+    put_text(&b, "DATASET POLYDATA\n%sCELL_DATA 1\nFIELD f 1\nradius 1 1 float\n0.25\n", points);
+    put_text(&b, "POINT_DATA 2\nFIELD f 1\nradius 1 2 float\n0.25 0.25\n");
+    p = load(ascii(b.data));
+    assert_close(p->radius, 1.1925, 1e-6, 0);
+    ssfr_particles_destroy(&p);
+    assert_refused(ascii("DATASET POLYDATA\nFIELD f 1\nradius 1 1 float\nwide\n"), SSFR_ERR_FORMAT,
+                   "expected a radius, found \"wide\"");
+    assert_refused(ascii("DATASET POLYDATA\nFIELD f 1\nradius 1 1 float\n-2.385\nPOINTS 0 float\n"), SSFR_ERR_FORMAT,
+                   "radius is -2.385 m");
+}
+
+static void what_is_written_has_points_a_vertex_each_and_arrays(void **state)
+{
+    (void)state;
+    const double positions[] = {0.375, -0.5, 0.25, 0.375, -0.5, 0.25};
+    float velocity[] = {1, -2.385f, 0.5f, 4, 5, -0.0f};
+    uint32_t id[] = {7, 4294967295u};
+    const ssfr_particles given = {.velocity = velocity, .id = id, .radius = 0.1};
+    ssfr_particles *p = NULL;
+    char *file = NULL;
+    size_t n = 0;
+    bytes b = {0};
+    put_text(&b, "# vtk DataFile Version 3.0\nparticles: metres, seconds, kilograms\nBINARY\nDATASET POLYDATA\n");
+    put_text(&b, "FIELD FieldData 1\nradius 1 1 double\n");
+    put_number(&b, SSFR_FLOAT64, true, 0.1);
+    put_text(&b, "\nPOINTS 2 float\n");
+    for (size_t k = 0; k < 6; k++) put_number(&b, SSFR_FLOAT32, true, positions[k]);
+    put_text(&b, "\nVERTICES 2 4\n");
+    for (int k = 0; k < 4; k++) put_number(&b, SSFR_INT32, true, k % 2 ? k / 2 : 1);
+    put_text(&b, "\nPOINT_DATA 2\nFIELD FieldData 2\nvelocity 3 2 float\n");
+    for (size_t k = 0; k < 6; k++) put_number(&b, SSFR_FLOAT32, true, (double)velocity[k]);
+    put_text(&b, "\nid 1 2 unsigned_int\n");
+    for (size_t i = 0; i < 2; i++) put_number(&b, SSFR_UINT32, true, id[i]);
+    put_text(&b, "\n");
+    assert_int_equal(ssfr_particles_create(&p, 2, positions, &given), SSFR_OK);
+    assert_int_equal(ssfr_particles_save(p, test_path("written.vtk")), SSFR_OK);
+    assert_int_equal(ssfr_read_file(test_path("written.vtk"), SSFR_READ_MAX, &file, &n), SSFR_OK);
+    assert_int_equal(n, b.n);
+    assert_memory_equal(file, b.data, n);
+    free(file);
+    ssfr_particles_destroy(&p);
+}
+
+static void more_points_than_a_cell_can_count_are_not_written(void **state)
+{
+    (void)state;
+    const ssfr_particles many = {.n = 2147483648u};
+    assert_fails(SSFR_ERR_UNSUPPORTED, ssfr_particles_save(&many, test_path("many.vtk")),
+                 "many.vtk: 2147483648 particles: a cell of legacy VTK counts points up to 2147483647");
+}
+
 static void what_is_no_file_is_refused(void **state)
 {
     (void)state;
@@ -361,6 +422,9 @@ int main(void)
         cmocka_unit_test(binary_values_that_are_missing_are_refused),
         cmocka_unit_test(values_that_are_not_finite_are_refused_or_dropped),
         cmocka_unit_test(a_file_cut_anywhere_or_damaged_never_harms),
+        cmocka_unit_test(a_radius_stands_in_the_files_own_field),
+        cmocka_unit_test(what_is_written_has_points_a_vertex_each_and_arrays),
+        cmocka_unit_test(more_points_than_a_cell_can_count_are_not_written),
         cmocka_unit_test(what_is_no_file_is_refused),
         cmocka_unit_test(a_simulators_own_file_equals_its_conversion_to_ply),
     };
