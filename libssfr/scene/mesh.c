@@ -147,6 +147,7 @@ static void measure(work *w)
         const double *at = w->vertices + 3 * (size_t)w->triangles[i / 3][i % 3];
         for (int k = 0; k < 3; k++) mesh->lo[k] = fmin(mesh->lo[k], at[k]), mesh->hi[k] = fmax(mesh->hi[k], at[k]);
     }
+    for (int k = 0; k < 3; k++) mesh->middle[k] = 0.5 * (mesh->lo[k] + mesh->hi[k]);
 }
 
 /* m^3, from pyramids over the triangles with their tops in the middle: negative where the surface is inside out. */
@@ -158,7 +159,7 @@ static double volume(const work *w)
         const double *a = w->vertices + 3 * (size_t)w->triangles[i][0];
         double n[3], top[3];
         cross_of(w, w->triangles[i], n);
-        for (int k = 0; k < 3; k++) top[k] = a[k] - 0.5 * (m->lo[k] + m->hi[k]);
+        for (int k = 0; k < 3; k++) top[k] = a[k] - m->middle[k];
         six += ssfr_dot(n, top);
     }
     return six / 6;
@@ -197,7 +198,7 @@ static double angle_at(const work *w, const uint32_t t[3], int k)
 static void sum_corner_normals(work *w)
 {
     for (size_t i = 0; i < w->n_triangles; i++) {
-        double *face = w->mesh->normals[i].face;
+        double *face = w->mesh->triangles[i].normal;
         cross_of(w, w->triangles[i], face);
         ssfr_normalize(face);
         for (int k = 0; k < 3; k++) {
@@ -211,11 +212,12 @@ static void sum_corner_normals(work *w)
 /* Edges stand in pairs. */
 static void set_edge_normals(const work *w)
 {
+    const ssfr_mesh_triangle *triangles = w->mesh->triangles;
     ssfr_mesh_normals *normals = w->mesh->normals;
     for (size_t i = 0; i < 3 * w->n_triangles; i += 2) {
         const uint32_t a = w->edges[i].side, b = w->edges[i + 1].side;
         double n[3];
-        for (int k = 0; k < 3; k++) n[k] = normals[a / 3].face[k] + normals[b / 3].face[k];
+        for (int k = 0; k < 3; k++) n[k] = triangles[a / 3].normal[k] + triangles[b / 3].normal[k];
         ssfr_normalize(n);
         memcpy(normals[a / 3].edge[a % 3], n, sizeof n);
         memcpy(normals[b / 3].edge[b % 3], n, sizeof n);
@@ -227,14 +229,14 @@ static ssfr_result fill(work *w)
     ssfr_result result = SSFR_OK;
     ssfr_mesh *mesh = w->mesh;
     mesh->n_triangles = w->n_triangles;
-    SSFR_TRY(ssfr_alloc(&mesh->corners, w->n_triangles, sizeof *mesh->corners, "triangles"));
+    SSFR_TRY(ssfr_alloc(&mesh->triangles, w->n_triangles, sizeof *mesh->triangles, "triangles"));
     SSFR_TRY(ssfr_alloc(&mesh->normals, w->n_triangles, sizeof *mesh->normals, "normals"));
     SSFR_TRY(ssfr_alloc(&w->corner_normals, w->n_vertices, sizeof *w->corner_normals, "normals"));
     sum_corner_normals(w);
     set_edge_normals(w);
     for (size_t i = 0; i < 3 * w->n_triangles; i++) {
         const size_t v = w->triangles[i / 3][i % 3];
-        memcpy(mesh->corners[i / 3][i % 3], w->vertices + 3 * v, 3 * sizeof(double));
+        memcpy(mesh->triangles[i / 3].corner[i % 3], w->vertices + 3 * v, 3 * sizeof(double));
         memcpy(mesh->normals[i / 3].corner[i % 3], w->corner_normals[v], 3 * sizeof(double));
     }
 end:
@@ -243,10 +245,11 @@ end:
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
+static atomic_uint_fast64_t serial; /* of the last mesh */
+
 ssfr_result ssfr_mesh_make(ssfr_mesh **out, const char *what, size_t n_vertices, const double *vertices,
                            size_t n_triangles, const uint32_t *triangles)
 {
-    static atomic_uint_fast64_t serial;
     ssfr_result result = SSFR_OK;
     work w = {.what = what, .n_vertices = n_vertices, .vertices = vertices, .n_triangles = n_triangles};
     *out = NULL;
@@ -276,15 +279,18 @@ ssfr_result ssfr_mesh_create(ssfr_mesh **out, size_t n_vertices, const double *v
 
 void ssfr_mesh_scale(ssfr_mesh *mesh, double factor)
 {
-    for (size_t i = 0; i < 9 * mesh->n_triangles; i++) mesh->corners[i / 9][i / 3 % 3][i % 3] *= factor;
-    for (size_t i = 0; i < mesh->n_nodes; i++)
-        for (int k = 0; k < 3; k++) mesh->nodes[i].lo[k] *= factor, mesh->nodes[i].hi[k] *= factor;
-    for (int k = 0; k < 3; k++) mesh->lo[k] *= factor, mesh->hi[k] *= factor;
+    for (size_t i = 0; i < 9 * mesh->n_triangles; i++) mesh->triangles[i / 9].corner[i / 3 % 3][i % 3] *= factor;
+    for (size_t i = 0; i < 3 * mesh->n_nodes; i++) {
+        float *lo = &mesh->nodes[i / 3].lo[i % 3], *hi = &mesh->nodes[i / 3].hi[i % 3];
+        *lo = (float)((double)*lo * factor), *hi = (float)((double)*hi * factor);
+    }
+    for (int k = 0; k < 3; k++) mesh->lo[k] *= factor, mesh->hi[k] *= factor, mesh->middle[k] *= factor;
+    mesh->serial = ++serial;
 }
 
 void ssfr_mesh_destroy(ssfr_mesh **mesh)
 {
-    if (*mesh) free((*mesh)->corners), free((*mesh)->normals), free((*mesh)->nodes);
+    if (*mesh) free((*mesh)->triangles), free((*mesh)->normals), free((*mesh)->nodes);
     free(*mesh);
     *mesh = NULL;
 }

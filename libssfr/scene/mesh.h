@@ -12,28 +12,35 @@
 
 #include "base/base.h"
 
-enum { SSFR_MESH_LEAF = 4 /* triangles, at most */ };
+enum { SSFR_MESH_LEAF = 4 /* triangles, at most; fits a node's three bits */ };
 #define SSFR_MESH_REACH 1e9 /* m, the largest coordinate: floats hold squares of areas in it */
 
+/* As shaders read it too (shaders/environment.glsl). */
 typedef struct ssfr_mesh_node {
-    double lo[3], hi[3];   /* m, a little larger than what is in it */
+    float lo[3];   /* m, relative to the mesh's middle: the box is a little larger than what is in it */
     uint32_t skip;
-    uint32_t first, n;     /* triangles of a leaf; n is 0 for others */
+    float hi[3];
+    uint32_t leaf; /* first triangle and their number n, 8 first + n; 0 where there are children */
 } ssfr_mesh_node;
 
-/* In the order of the leaves. Unit normals: of the triangle, of its edges (from corner k to k + 1) and of its corners,
- * weighted by the angles of the triangles there: they tell inside from outside wherever a place is nearest to. */
+typedef struct ssfr_mesh_triangle {
+    double corner[3][3]; /* m */
+    double normal[3];    /* unit, outwards */
+} ssfr_mesh_triangle;
+
+/* Unit normals of a triangle's edges (from corner k to k + 1) and of its corners, where they are weighted by the angles
+ * of the triangles there. With the triangle's own they tell inside from outside wherever a place is nearest to. */
 typedef struct ssfr_mesh_normals {
-    double face[3], edge[3][3], corner[3][3];
+    double edge[3][3], corner[3][3];
 } ssfr_mesh_normals;
 
 struct ssfr_mesh {
     size_t n_triangles, n_nodes;
-    double (*corners)[3][3];     /* m */
-    ssfr_mesh_normals *normals;
+    ssfr_mesh_triangle *triangles; /* in the order of the leaves */
+    ssfr_mesh_normals *normals;    /* of each triangle */
     ssfr_mesh_node *nodes;
-    double lo[3], hi[3];         /* m */
-    uint64_t serial;             /* differs between any two meshes of a process: a key for caches */
+    double lo[3], hi[3], middle[3]; /* m, the box around it */
+    uint64_t serial;                /* differs between any two meshes of a process: a key for caches */
 };
 
 /* ssfr_mesh_create with a name for the error lines; turns a surface inside out that is. */

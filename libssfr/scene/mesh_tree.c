@@ -8,18 +8,21 @@ typedef struct growth {
     ssfr_mesh *mesh;
     uint32_t *order;     /* triangles */
     double (*middle)[3]; /* m, of the box of each */
-    double margin;       /* m, by which boxes are larger than what is in them */
+    double margin;       /* m, by which boxes are larger than what is in them: over what floats round */
 } growth;
 
 static void bound(const growth *g, size_t begin, size_t end, ssfr_mesh_node *node)
 {
-    for (int k = 0; k < 3; k++) node->lo[k] = INFINITY, node->hi[k] = -INFINITY;
-    for (size_t i = 3 * begin; i < 3 * end; i++)
-        for (int k = 0; k < 3; k++) {
-            const double v = g->mesh->corners[g->order[i / 3]][i % 3][k];
-            node->lo[k] = fmin(node->lo[k], v - g->margin);
-            node->hi[k] = fmax(node->hi[k], v + g->margin);
-        }
+    for (int k = 0; k < 3; k++) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (size_t i = begin; i < end; i++)
+            for (int j = 0; j < 3; j++) {
+                const double v = g->mesh->triangles[g->order[i]].corner[j][k];
+                lo = fmin(lo, v), hi = fmax(hi, v);
+            }
+        node->lo[k] = (float)(lo - g->margin - g->mesh->middle[k]);
+        node->hi[k] = (float)(hi + g->margin - g->mesh->middle[k]);
+    }
 }
 
 /* The axis along which the triangles' middles spread most. */
@@ -68,7 +71,7 @@ static void grow(const growth *g, size_t begin, size_t end)
     ssfr_mesh_node *node = mesh->nodes + mesh->n_nodes++;
     bound(g, begin, end, node);
     if (end - begin <= SSFR_MESH_LEAF) {
-        node->first = (uint32_t)begin, node->n = (uint32_t)(end - begin);
+        node->leaf = (uint32_t)(8 * begin + (end - begin));
     } else {
         const size_t middle = begin + (end - begin) / 2;
         part(g, begin, end, middle, widest(g, begin, end));
@@ -83,19 +86,17 @@ static ssfr_result sort(const growth *g)
 {
     ssfr_result result = SSFR_OK;
     ssfr_mesh *mesh = g->mesh;
-    double (*corners)[3][3] = NULL;
+    ssfr_mesh_triangle *triangles = NULL;
     ssfr_mesh_normals *normals = NULL;
-    SSFR_TRY(ssfr_alloc(&corners, mesh->n_triangles, sizeof *corners, "triangles"));
+    SSFR_TRY(ssfr_alloc(&triangles, mesh->n_triangles, sizeof *triangles, "triangles"));
     SSFR_TRY(ssfr_alloc(&normals, mesh->n_triangles, sizeof *normals, "normals"));
-    for (size_t i = 0; i < mesh->n_triangles; i++) {
-        memcpy(corners[i], mesh->corners[g->order[i]], sizeof *corners);
-        normals[i] = mesh->normals[g->order[i]];
-    }
-    free(mesh->corners), free(mesh->normals);
-    mesh->corners = corners, mesh->normals = normals;
-    corners = NULL, normals = NULL;
+    for (size_t i = 0; i < mesh->n_triangles; i++)
+        triangles[i] = mesh->triangles[g->order[i]], normals[i] = mesh->normals[g->order[i]];
+    free(mesh->triangles), free(mesh->normals);
+    mesh->triangles = triangles, mesh->normals = normals;
+    triangles = NULL, normals = NULL;
 end:
-    free(corners), free(normals);
+    free(triangles), free(normals);
     return result;
 }
 
@@ -103,12 +104,12 @@ ssfr_result ssfr_mesh_grow_tree(ssfr_mesh *mesh)
 {
     ssfr_result result = SSFR_OK;
     growth g = {.mesh = mesh};
-    for (int k = 0; k < 3; k++) g.margin = fmax(g.margin, 1e-12 * fmax(fabs(mesh->lo[k]), fabs(mesh->hi[k])));
+    for (int k = 0; k < 3; k++) g.margin = fmax(g.margin, 1e-6 * (mesh->hi[k] - mesh->lo[k]));
     SSFR_TRY(ssfr_alloc(&g.order, mesh->n_triangles, sizeof *g.order, "the triangles' order"));
     SSFR_TRY(ssfr_alloc(&g.middle, mesh->n_triangles, sizeof *g.middle, "the triangles' middles"));
     SSFR_TRY(ssfr_alloc(&mesh->nodes, mesh->n_triangles, sizeof *mesh->nodes, "a tree")); /* leaves hold 2 and more */
     for (size_t i = 0; i < mesh->n_triangles; i++) {
-        const double (*c)[3] = (const double(*)[3])mesh->corners[i];
+        const double(*c)[3] = (const double(*)[3])mesh->triangles[i].corner;
         g.order[i] = (uint32_t)i;
         for (int k = 0; k < 3; k++)
             g.middle[i][k] = 0.5 * (fmin(fmin(c[0][k], c[1][k]), c[2][k]) + fmax(fmax(c[0][k], c[1][k]), c[2][k]));
@@ -158,16 +159,17 @@ static int region(const double c[3][3], const double p[3], int *from, double *al
 
 static void try_triangle(const ssfr_mesh *mesh, size_t i, const double p[3], nearest *best)
 {
-    const double (*c)[3] = (const double(*)[3])mesh->corners[i];
+    const ssfr_mesh_triangle *triangle = mesh->triangles + i;
+    const double(*c)[3] = triangle->corner;
     nearest found = {.triangle = i};
     double along, to[3];
     int from;
+    subtract(p, c[0], to);
+    const double height = ssfr_dot(triangle->normal, to);
+    if (height * height >= best->square) return; /* no point of its plane is nearer */
     found.feature = region(c, p, &from, &along);
     if (found.feature == FACE) {
-        const double *n = mesh->normals[i].face;
-        subtract(p, c[0], to);
-        const double height = ssfr_dot(n, to);
-        for (int k = 0; k < 3; k++) found.at[k] = p[k] - height * n[k];
+        for (int k = 0; k < 3; k++) found.at[k] = p[k] - height * triangle->normal[k];
         found.square = height * height;
     } else {
         for (int k = 0; k < 3; k++) found.at[k] = c[from][k] + along * (c[(from + 1) % 3][k] - c[from][k]);
@@ -177,13 +179,14 @@ static void try_triangle(const ssfr_mesh *mesh, size_t i, const double p[3], nea
     if (found.square < best->square) *best = found;
 }
 
-/* Square of the distance to a node's box, m^2. */
+/* Square of the distance to a node's box, m^2; p is relative to the mesh's middle. */
 static double to_box(const ssfr_mesh_node *node, const double p[3])
 {
     double square = 0;
     for (int k = 0; k < 3; k++) {
-        const double below = node->lo[k] - p[k], above = p[k] - node->hi[k], out = below > above ? below : above;
-        if (out > 0) square += out * out;
+        const double below = (double)node->lo[k] - p[k], above = p[k] - (double)node->hi[k];
+        const double side = below > above ? below : above, out = side > 0 ? side : 0;
+        square += out * out;
     }
     return square;
 }
@@ -196,18 +199,22 @@ static nearest find_nearest(const ssfr_mesh *mesh, const double p[3])
         double square;
     } waiting[64];
     nearest best = {.square = INFINITY};
+    double from_middle[3];
     int n = 1;
     waiting[0].node = 0, waiting[0].square = 0;
+    subtract(p, mesh->middle, from_middle);
     while (n > 0) {
-        const ssfr_mesh_node *node = mesh->nodes + waiting[--n].node;
+        const uint32_t at = waiting[--n].node, leaf = mesh->nodes[at].leaf;
         if (waiting[n].square >= best.square) continue;
-        for (uint32_t i = node->first; i < node->first + node->n; i++) try_triangle(mesh, i, p, &best);
-        if (node->n) continue;
-        const uint32_t a = (uint32_t)(node - mesh->nodes) + 1, b = mesh->nodes[a].skip;
-        const double to_a = to_box(mesh->nodes + a, p), to_b = to_box(mesh->nodes + b, p);
+        for (uint32_t i = leaf >> 3; i < (leaf >> 3) + (leaf & 7); i++) try_triangle(mesh, i, p, &best);
+        if (leaf) continue;
+        const uint32_t a = at + 1, b = mesh->nodes[a].skip;
+        const double to_a = to_box(mesh->nodes + a, from_middle), to_b = to_box(mesh->nodes + b, from_middle);
         const bool a_first = to_a < to_b;
-        waiting[n].node = a_first ? b : a, waiting[n++].square = a_first ? to_b : to_a;
-        waiting[n].node = a_first ? a : b, waiting[n++].square = a_first ? to_a : to_b;
+        waiting[n].node = a_first ? b : a, waiting[n].square = a_first ? to_b : to_a;
+        n += waiting[n].square < best.square;
+        waiting[n].node = a_first ? a : b, waiting[n].square = a_first ? to_a : to_b;
+        n += waiting[n].square < best.square;
     }
     return best;
 }
@@ -217,7 +224,7 @@ static const double *normal_of(const ssfr_mesh *mesh, const nearest *at)
     const ssfr_mesh_normals *n = mesh->normals + at->triangle;
     return at->feature >= CORNER ? n->corner[at->feature - CORNER]
            : at->feature >= EDGE ? n->edge[at->feature - EDGE]
-                                 : n->face;
+                                 : mesh->triangles[at->triangle].normal;
 }
 
 /* The sign by angle-weighted pseudonormals: Baerentzen and Aanaes, Signed distance computation using the angle weighted
@@ -239,8 +246,11 @@ double ssfr_mesh_distance(const ssfr_mesh *mesh, const double at[3], double norm
 /* ---- rays -------------------------------------------------------------------------------------------------------- */
 
 typedef struct ray {
-    double o[3], d[3], inverse[3]; /* o: relative to the mesh's axes, moved along the ray to where it is nearest */
+    double o[3], d[3], inverse[3]; /* o: moved along the ray to where it is nearest to the mesh's middle */
+    double from_middle[3];         /* o relative to it */
     double moved;                  /* by so many d */
+    int x, y, z;                   /* axes, right-handed; the ray runs most along z, forwards: x and y may be swapped */
+    double shear[2];               /* of x and y along z, which makes the ray an axis */
     double first, t;               /* the ray's begin and its nearest hit so far, from o on */
 } ray;
 
@@ -248,7 +258,8 @@ static bool meets_box(const ray *r, const ssfr_mesh_node *node)
 {
     double enter = r->first, leave = r->t;
     for (int k = 0; k < 3; k++) {
-        const double a = (node->lo[k] - r->o[k]) * r->inverse[k], b = (node->hi[k] - r->o[k]) * r->inverse[k];
+        const double a = ((double)node->lo[k] - r->from_middle[k]) * r->inverse[k];
+        const double b = ((double)node->hi[k] - r->from_middle[k]) * r->inverse[k];
         const double near = a < b ? a : b, far = a < b ? b : a;
         enter = near > enter ? near : enter;
         leave = far < leave ? far : leave;
@@ -256,26 +267,46 @@ static bool meets_box(const ray *r, const ssfr_mesh_node *node)
     return enter <= leave;
 }
 
-/* Six times the volume of the tetrahedron of an edge and a stretch of the ray: its sign says on which side of the edge
- * the ray passes. For the edge run backwards it is the exact opposite: no ray slips between two triangles. */
-static double side(const double d[3], const double a[3], const double b[3])
+/* Seen along the ray, which of a triangle's sides it passes: after Woop, Benthin and Wald, Watertight ray/triangle
+ * intersection (2013). A corner has one place for all its triangles, and an edge run backwards gives the exact opposite
+ * of the edge: no ray slips through between two triangles, nor at a corner. */
+static bool passes_through(const ray *r, const double c[3][3])
 {
-    double n[3];
-    ssfr_cross(a, b, n);
-    return ssfr_dot(d, n);
+    double p[3][2];
+    bool within = true;
+    for (int k = 0; k < 3; k++) {
+        const double z = c[k][r->z] - r->o[r->z];
+        p[k][0] = c[k][r->x] - r->o[r->x] - r->shear[0] * z;
+        p[k][1] = c[k][r->y] - r->o[r->y] - r->shear[1] * z;
+    }
+    for (int k = 0; k < 3; k++) {
+        const double *a = p[k], *b = p[(k + 1) % 3];
+        within &= a[0] * b[1] - a[1] * b[0] <= 0;
+    }
+    return within;
 }
 
 static bool enter_triangle(const ssfr_mesh *mesh, size_t i, ray *r)
 {
-    const double *n = mesh->normals[i].face, slope = ssfr_dot(n, r->d);
-    double c[3][3];
+    const ssfr_mesh_triangle *triangle = mesh->triangles + i;
+    const double *n = triangle->normal, slope = ssfr_dot(n, r->d);
+    double to[3];
     if (!(slope < 0)) return false;
-    for (int k = 0; k < 3; k++) subtract(mesh->corners[i][k], r->o, c[k]);
-    if (side(r->d, c[0], c[1]) > 0 || side(r->d, c[1], c[2]) > 0 || side(r->d, c[2], c[0]) > 0) return false;
-    const double t = ssfr_dot(n, c[0]) / slope;
-    if (!(t > r->first && t < r->t)) return false;
+    subtract(triangle->corner[0], r->o, to);
+    const double t = ssfr_dot(n, to) / slope;
+    if (!(t > r->first && t < r->t) || !passes_through(r, (const double(*)[3])triangle->corner)) return false;
     r->t = t;
     return true;
+}
+
+static void choose_axes(ray *r)
+{
+    r->z = 0;
+    for (int k = 1; k < 3; k++)
+        if (fabs(r->d[k]) > fabs(r->d[r->z])) r->z = k;
+    const bool forwards = r->d[r->z] > 0;
+    r->x = (r->z + (forwards ? 1 : 2)) % 3, r->y = (r->z + (forwards ? 2 : 1)) % 3;
+    r->shear[0] = r->d[r->x] / r->d[r->z], r->shear[1] = r->d[r->y] / r->d[r->z];
 }
 
 /* Measured from where the ray is nearest to the mesh's middle: the sides of triangles are told far away too. */
@@ -283,14 +314,16 @@ static ray begin(const ssfr_mesh *mesh, const double origin[3], const double dir
 {
     ray r = {.t = INFINITY};
     double to[3];
-    for (int k = 0; k < 3; k++) to[k] = 0.5 * (mesh->lo[k] + mesh->hi[k]) - origin[k];
+    subtract(mesh->middle, origin, to);
     r.moved = ssfr_dot(to, dir) / ssfr_dot(dir, dir);
     r.first = -r.moved;
     for (int k = 0; k < 3; k++) {
         r.o[k] = origin[k] + r.moved * dir[k];
+        r.from_middle[k] = r.o[k] - mesh->middle[k];
         r.d[k] = dir[k];
         r.inverse[k] = 1 / (fabs(dir[k]) > 1e-30 ? dir[k] : 1e-30);
     }
+    choose_axes(&r);
     return r;
 }
 
@@ -301,11 +334,11 @@ double ssfr_mesh_enter(const ssfr_mesh *mesh, const double origin[3], const doub
     for (uint32_t i = 0; i < mesh->n_nodes;) {
         const ssfr_mesh_node *node = mesh->nodes + i;
         const bool meets = meets_box(&r, node);
-        for (uint32_t k = node->first; meets && k < node->first + node->n; k++)
+        for (uint32_t k = node->leaf >> 3; meets && k < (node->leaf >> 3) + (node->leaf & 7); k++)
             if (enter_triangle(mesh, k, &r)) hit = k;
         i = meets ? i + 1 : node->skip;
     }
     if (hit == mesh->n_triangles) return -1;
-    memcpy(normal, mesh->normals[hit].face, 3 * sizeof *normal);
+    memcpy(normal, mesh->triangles[hit].normal, 3 * sizeof *normal);
     return r.moved + r.t;
 }
