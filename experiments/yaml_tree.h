@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* yaml_tree.h: a YAML document as a tree whose every error names file, line and column; maps are read by tables of rows.
+/* yaml_tree.h: a YAML document as a tree whose every error names file, line and column; rows of a table read its maps.
  *
  * Keys are texts and stand once in their map. Anchors and aliases are taken; tags are ignored. */
 #ifndef SSFR_YAML_TREE_H
@@ -74,8 +74,8 @@ struct ssfr_yaml_row {
 #define SSFR_YAML_ROW_ALL(key, reader, ...) {.name = (key), .read = (reader), __VA_ARGS__}
 #define SSFR_YAML_ROW_END {.name = NULL}
 
-/* Reads a map by rows that end with SSFR_YAML_ROW_END. A key that no row has is an error that lists those there are; so is
- * a needed key that is missing. What is not given stays as it is. */
+/* Reads a map by rows that end with SSFR_YAML_ROW_END. A key that no row has is an error that lists those there
+ * are; so is a needed key that is missing. What is not given stays as it is. */
 SSFR_MUST ssfr_result ssfr_yaml_read_map(const ssfr_yaml_node *node, const ssfr_yaml_row *rows, void *to);
 
 /* Readers for rows. `to` is... */

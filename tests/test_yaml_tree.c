@@ -253,12 +253,9 @@ static void numbers_have_a_point_in_any_locale(void **state)
     (void)state;
     ssfr_yaml *tree;
     thing t = {0};
-    const locale_t comma = newlocale(LC_NUMERIC_MASK, "de_DE.UTF-8", (locale_t)0);
-    if (!comma) skip();
-    const locale_t before = uselocale(comma);
+    if (!setlocale(LC_NUMERIC, "de_DE.UTF-8")) skip();
     const ssfr_result result = read_thing(&tree, "width: 2.385\n", &t);
-    uselocale(before);
-    freelocale(comma);
+    setlocale(LC_NUMERIC, "C");
     assert_int_equal(result, SSFR_OK);
     assert_close(t.width, 2.385, 0, 0);
     ssfr_yaml_destroy(&tree);
@@ -274,7 +271,7 @@ static void values_that_no_row_takes_are_refused(void **state)
         {SSFR_ERR_FORMAT, "[1]", "a.yaml:1:1: the thing: expected a map of key: value"},
         {SSFR_ERR_FORMAT, "words", "a.yaml:1:1: the thing: expected a map of key: value"},
         {SSFR_ERR_FORMAT, "width: 1\nwidht: 2\n",
-         "a.yaml:2:1: no key widht: a thing has title, width, plain, pair, place, count, shown, colour, sides, p, more"},
+         "a.yaml:2:1: no key widht: a thing has title, width, plain, pair, place, count, shown, colour, sides"},
         {SSFR_ERR_FORMAT, "title: x\n", "a.yaml:1:1: the thing: width must be given"},
         {SSFR_ERR_FORMAT, "title: [x]\n", "a.yaml:1:8: title: expected one value"},
         {SSFR_ERR_FORMAT, "width: [1]\n", "a.yaml:1:8: width: expected one value"},

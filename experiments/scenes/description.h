@@ -40,8 +40,8 @@ typedef struct ssfr_body {
     bool hidden;        /* met by the fluid, but not drawn */
 } ssfr_body;
 
-/* A box full of fluid from the start, filled from below until `count` particles are there (0: as many as fit). What lies
- * in a solid stays free. */
+/* A box full of fluid from the start, filled from below until `count` particles are there (0: as many as fit). What
+ * lies in a solid stays free. */
 typedef struct ssfr_pool {
     char *name;
     double lo[3], hi[3]; /* m, world */
@@ -115,8 +115,8 @@ SSFR_MUST ssfr_result ssfr_description_parse(ssfr_description **out, const char 
                                              ssfr_scale scale, ssfr_mesh_loader *load_mesh);
 void ssfr_description_destroy(ssfr_description **description);
 
-/* The pools' particles at the start, as the solver takes them, max_particles at most: cubic lattices as wide as particles
- * at rest, half of that off the pools' sides and a radius off solids. To free(). */
+/* The pools' particles at the start, as the solver takes them, max_particles at most: cubic lattices as wide as
+ * particles at rest, half of that off the pools' sides and a radius off solids. To free(). */
 SSFR_MUST ssfr_result ssfr_description_fill(const ssfr_description *description, size_t *n, double **positions,
                                             float **velocities);
 

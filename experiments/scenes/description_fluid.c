@@ -28,7 +28,8 @@ static ssfr_result check_pool(const ssfr_reading *r, const ssfr_yaml_node *node,
     const double places = ssfr_description_places(&r->d, pool);
     for (int k = 0; k < 3; k++)
         if (pool->lo[k] < s->lo[k] - slack || pool->hi[k] > s->hi[k] + slack)
-            return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%.80s: from %g to %g m along %c, the domain goes from %g to %g m",
+            return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE,
+                                  "%.80s: from %g to %g m along %c, the domain goes from %g to %g m",
                                   node->name, pool->lo[k], pool->hi[k], "xyz"[k], s->lo[k], s->hi[k]);
     if (places > SSFR_MAX_FLUID)
         return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%.80s: room for %.4g particles of radius %g m, at most %d",
@@ -119,7 +120,8 @@ static ssfr_result check_emitter(const ssfr_reading *r, const ssfr_yaml_node *no
                               e->start);
     for (int k = 0; k < 3; k++)
         if (!(there.centre[k] >= s->lo[k] && there.centre[k] <= s->hi[k]))
-            return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%.80s: starts at %g m along %c, the domain goes from %g to %g m",
+            return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE,
+                                  "%.80s: starts at %g m along %c, the domain goes from %g to %g m",
                                   node->name, there.centre[k], "xyz"[k], s->lo[k], s->hi[k]);
     return SSFR_OK;
 }
@@ -183,7 +185,10 @@ static ssfr_result read_sink(const ssfr_yaml_node *node, ssfr_solid *out)
     SSFR_TRY(ssfr_yaml_read_map(node, rows, &b));
     SSFR_TRY(check_box(node, b.lo, b.hi));
     *out = (ssfr_solid){.shape = SSFR_BOX, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    for (int k = 0; k < 3; k++) out->centre[k] = ssfr_mix(b.lo[k], b.hi[k], 0.5), out->half[k] = (b.hi[k] - b.lo[k]) / 2;
+    for (int k = 0; k < 3; k++) {
+        out->centre[k] = ssfr_mix(b.lo[k], b.hi[k], 0.5);
+        out->half[k] = (b.hi[k] - b.lo[k]) / 2;
+    }
 end:
     return result;
 }
@@ -230,8 +235,8 @@ ssfr_result ssfr_reading_check_room(const ssfr_reading *r)
         bool room = false;
         SSFR_TRY(ssfr_description_has_room(&r->d, pool->lo, pool->hi, spacing, &room));
         if (!room)
-            return ssfr_yaml_fail(r->pools->keys[i], SSFR_ERR_VALUE, "%.80s: no room for a particle of radius %g m in it",
-                                  pool->name, r->d.solver.radius);
+            return ssfr_yaml_fail(r->pools->keys[i], SSFR_ERR_VALUE,
+                                  "%.80s: no room for a particle of radius %g m in it", pool->name, r->d.solver.radius);
     }
     if (r->d.n_pools == 0) SSFR_TRY(check_domain(r));
 end:

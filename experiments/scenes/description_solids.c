@@ -33,8 +33,9 @@ ssfr_result ssfr_reading_domain(ssfr_reading *r)
             return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "domain: %g m wide along %c, a particle %g m", width,
                                   "xyz"[k], 2 * s->radius);
         if (width > max_cells * SSFR_SUPPORT * s->radius)
-            return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "domain: %g m wide along %c, at most %g m for a radius of %g m",
-                                  width, "xyz"[k], max_cells * SSFR_SUPPORT * s->radius, s->radius);
+            return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE,
+                                  "domain: %g m wide along %c, at most %g m for a radius of %g m", width, "xyz"[k],
+                                  max_cells * SSFR_SUPPORT * s->radius, s->radius);
     }
 end:
     return result;
@@ -80,8 +81,8 @@ static ssfr_result check_period(const ssfr_motion *motion, const ssfr_yaml_node 
                               motion->period, last->time);
     for (int k = 0; k < 3; k++) same &= fabs(last->move[k] - first->move[k]) < slack;
     if (!same)
-        return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%s: its last key differs from the first, where it begins again",
-                              motion->name);
+        return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE,
+                              "%s: its last key differs from the first, where it begins again", motion->name);
     return SSFR_OK;
 }
 
@@ -91,7 +92,8 @@ static ssfr_result read_motion(const ssfr_yaml_node *node, ssfr_motion *motion)
     static const ssfr_yaml_row rows[] = {
         SSFR_YAML_ROW("pivot", ssfr_yaml_read_real3, ssfr_motion, pivot, PLACE),
         SSFR_YAML_ROW("axis", ssfr_reading_direction, ssfr_motion, axis),
-        SSFR_YAML_ROW("period", ssfr_yaml_read_real, ssfr_motion, period, .unit = "s", .min = 1e-3, .max = SSFR_MAX_TIME),
+        SSFR_YAML_ROW("period", ssfr_yaml_read_real, ssfr_motion, period, .unit = "s", .min = 1e-3,
+                      .max = SSFR_MAX_TIME),
         SSFR_YAML_ROW("easing", ssfr_yaml_read_word, ssfr_motion, easing, .words = easings),
         SSFR_YAML_ROW_ALL("keys", read_pose_keys, .needed = true),
         SSFR_YAML_ROW_END,
@@ -182,8 +184,12 @@ static const struct shape {
     ssfr_shape shape;
     const ssfr_yaml_row *rows;
 } shapes[] = {
-    {"box", SSFR_BOX, box_rows},           {"ramp", SSFR_RAMP, box_rows},       {"cylinder", SSFR_CYLINDER, cylinder_rows},
-    {"tube", SSFR_CYLINDER, tube_rows},    {"sphere", SSFR_SPHERE, sphere_rows}, {"plane", SSFR_PLANE, plane_rows},
+    {"box", SSFR_BOX, box_rows},
+    {"ramp", SSFR_RAMP, box_rows},
+    {"cylinder", SSFR_CYLINDER, cylinder_rows},
+    {"tube", SSFR_CYLINDER, tube_rows},
+    {"sphere", SSFR_SPHERE, sphere_rows},
+    {"plane", SSFR_PLANE, plane_rows},
     {"mesh", SSFR_MESH, mesh_rows},
 };
 

@@ -54,7 +54,8 @@ static ssfr_result read_keys(const ssfr_yaml_node *node, const ssfr_view_key *ba
         view->keys[i] = *base;
         SSFR_TRY(read_key(node->values[i], &view->keys[i]));
         if (isnan(view->keys[i].eye[0]) || isnan(view->keys[i].target[0]))
-            return ssfr_yaml_fail(node->values[i], SSFR_ERR_FORMAT, "keys: eye and target must be given, here or for all");
+            return ssfr_yaml_fail(node->values[i], SSFR_ERR_FORMAT,
+                                  "keys: eye and target must be given, here or for all");
         if (i > 0 && !(view->keys[i].time > view->keys[i - 1].time))
             return ssfr_yaml_fail(node->values[i], SSFR_ERR_VALUE, "keys: %g s does not come after %g s",
                                   view->keys[i].time, view->keys[i - 1].time);
