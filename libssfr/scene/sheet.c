@@ -29,13 +29,6 @@ const char *ssfr_place_unit(int place)
     return place == SSFR_PLACE_POSITION || place == SSFR_PLACE_RADIUS ? "m" : ssfr_arrays[place - 1].unit;
 }
 
-static const char *place_name(int place)
-{
-    if (place == SSFR_PLACE_NONE) return "";
-    if (place == SSFR_PLACE_POSITION) return "position";
-    return place == SSFR_PLACE_RADIUS ? "radius" : ssfr_arrays[place - 1].name;
-}
-
 /* A vector's name and its component: "x", "vx", and with something between them "position_x", "Points:0", "v[2]". */
 static ssfr_sheet_column find_component(const char *name)
 {
@@ -202,13 +195,12 @@ size_t ssfr_rows_most(const ssfr_rows *r)
 
 static ssfr_result fail_cell(const ssfr_rows *r, size_t column, const char *expected)
 {
-    char cell[SSFR_FOUND], text[SSFR_FOUND];
+    char cell[SSFR_FOUND], text[SSFR_FOUND], name[SSFR_FOUND];
     size_t n = 0;
     for (const char *at = r->at; n + 1 < sizeof cell && !ends_cell(r, at); at++) cell[n++] = *at;
     cell[n] = '\0';
-    const char *name = r->names[column] ? r->names[column] : place_name(r->columns[column].place);
     return ssfr_fail(SSFR_ERR_FORMAT, "%s:%zu: column %zu (%s): expected %s, found \"%s\"", r->path, r->line,
-                     column + 1, name, expected, ssfr_printable(cell, text));
+                     column + 1, ssfr_printable(r->names[column], name), expected, ssfr_printable(cell, text));
 }
 
 /* A number, in quotes or not, with nothing but blanks up to the cell's end. */

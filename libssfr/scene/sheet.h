@@ -24,7 +24,7 @@ typedef struct ssfr_sheet_column {
 ssfr_sheet_column ssfr_sheet_column_find(const char *name);
 /* The place of a whole vector or number ("pos", "velocity", "id", "radius"), or SSFR_PLACE_NONE. */
 int ssfr_place_find(const char *name);
-size_t ssfr_place_count(int place);       /* values a particle */
+size_t ssfr_place_count(int place);     /* values a particle */
 const char *ssfr_place_unit(int place); /* "m" */
 
 typedef struct ssfr_sheet {
@@ -63,7 +63,7 @@ typedef struct ssfr_rows {
     char separator;       /* ',', ';', a tab, or ' ' for any number of blanks and tabs */
     size_t n_columns;
     ssfr_sheet_column columns[SSFR_MAX_COLUMNS];
-    const char *names[SSFR_MAX_COLUMNS]; /* for error lines; NULL: the place's */
+    const char *names[SSFR_MAX_COLUMNS]; /* for error lines */
 } ssfr_rows;
 
 SSFR_MUST ssfr_result ssfr_rows_add(ssfr_rows *rows, ssfr_sheet_column column, const char *name);

@@ -73,11 +73,6 @@ void ssfr_sink_float_text(ssfr_sink *sink, float value)
     put_number(sink, (double)value, FLOAT_DIGITS);
 }
 
-void ssfr_sink_double_text(ssfr_sink *sink, double value)
-{
-    put_number(sink, value, DOUBLE_DIGITS);
-}
-
 void ssfr_sink_whole_text(ssfr_sink *sink, uint32_t value)
 {
     char text[SSFR_NUMBER_TEXT], *at = text + sizeof text;

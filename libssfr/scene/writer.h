@@ -31,7 +31,6 @@ enum { SSFR_NUMBER_TEXT = 32 /* bytes: "-2.2250738585072014e-308" with room to s
 
 /* The text of a number that reads back as the same. */
 void ssfr_sink_float_text(ssfr_sink *sink, float value);
-void ssfr_sink_double_text(ssfr_sink *sink, double value);
 void ssfr_sink_whole_text(ssfr_sink *sink, uint32_t value);
 /* World position of particle i, m, with a separator between coordinates. */
 void ssfr_sink_position_text(ssfr_sink *sink, const ssfr_particles *particles, size_t i, char separator);

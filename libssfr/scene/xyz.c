@@ -99,7 +99,7 @@ static ssfr_result guess_columns(xyz *x)
         const bool known = k >= first && k < first + 3;
         const ssfr_sheet_column column = {known ? SSFR_PLACE_POSITION : SSFR_PLACE_NONE, known ? k - first : 0};
         SSFR_TRY(ssfr_sheet_add(&x->sheet, r->path, "position", column));
-        SSFR_TRY(ssfr_rows_add(r, column, NULL));
+        SSFR_TRY(ssfr_rows_add(r, column, known ? "position" : ""));
     }
 end:
     return result;
