@@ -434,9 +434,12 @@ static ssfr_result read_bytes(const vtkxml *x, source *s, const values *v, size_
     *out = NULL;
     if (x->deflated) {
         SSFR_TRY(read_blocks(x, s, v, n, total, &b));
-    } else if (!take_count(x, s, &size) || size != total || total > most_left(s)) {
-        result = fail_values(x, v, n, size != total ? "there is another number of bytes" : "the data end");
-        goto end;
+    } else {
+        const bool ended = !take_count(x, s, &size) || (size == total && total > most_left(s));
+        if (ended || size != total) {
+            result = fail_values(x, v, n, ended ? "the data end" : "there is another number of bytes");
+            goto end;
+        }
     }
     SSFR_TRY(ssfr_alloc(out, total, 1, v->name));
     if (x->deflated)
