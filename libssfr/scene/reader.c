@@ -424,8 +424,7 @@ static ssfr_result check_floats(const ssfr_particles *set, const char *path)
         }
     }
     if (!ssfr_floats_suffice(set))
-        ssfr_log(SSFR_WARNING, "%s: positions are written as floats: particles move by up to %.3g m along an axis", path,
-                 most);
+        ssfr_log(SSFR_WARNING, "%s: written as floats, positions move by up to %.3g m an axis", path, most);
     return SSFR_OK;
 }
 
