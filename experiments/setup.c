@@ -2,6 +2,7 @@
 /* setup.c: finding pipelines and passes by name, and a graph with the user's settings. */
 #include "experiments/setup.h"
 
+#include "base/param.h"
 #include "graph/graph.h"
 
 #define ROW(...) SSFR_OPTION(ssfr_setup_options, __VA_ARGS__)
@@ -88,9 +89,11 @@ end:
 /* "bilateral.sigma" is of a pass, which the pipeline need not have; "medium.ior" is of all. */
 static bool is_of_another_pass(const ssfr_graph *graph, const char *key)
 {
-    char pass[64];
-    snprintf(pass, sizeof pass, "%.*s", (int)strcspn(key, "."), key);
-    return !ssfr_graph_row(graph, key) && ssfr_pass_find(pass);
+    char name[64];
+    const size_t head = strcspn(key, ".");
+    snprintf(name, sizeof name, "%.*s", (int)head, key);
+    const ssfr_pass *pass = key[head] ? ssfr_pass_find(name) : NULL;
+    return !ssfr_graph_row(graph, key) && pass && ssfr_param_find(ssfr_pass_params(pass), key + head + 1);
 }
 
 ssfr_result ssfr_setup_apply_scene(ssfr_graph *graph, const ssfr_description *description)

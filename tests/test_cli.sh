@@ -129,7 +129,7 @@ accepts 'what is in a scene' scene info block
 that 'the block has 20^3 particles' grep -q "^particles	1	8000$" out
 accepts 'the list of scenes' scene list
 that 'the list names the splash' grep -q '^splash' out
-refuses 'scene without a word that it knows' "expected 'list', or 'info SCENE'" scene show
+refuses 'scene without a word that it knows' 'show: expected list, make, info, import, formats or params first' scene show
 
 # ---- comparing ----
 

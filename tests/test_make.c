@@ -468,10 +468,11 @@ static void what_blows_up_names_frame_and_particle_and_leaves_the_frames_before(
     ssfr_description *d = parse(fast);
     const char *cache = new_cache();
     char *folder = folder_of(d, cache, 1);
-    assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), "a/b c.yaml, frame 2: particle 0 of 1 has a velocity of (10000, ");
-    assert_int_equal(ssfr_make_count(folder), 2);
-    assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), "a/b c.yaml, frame 2: particle 0 of 1 has a velocity of (10000, ");
-    assert_int_equal(ssfr_make_count(folder), 2);
+    for (int i = 0; i < 2; i++) { /* once more from the state that was left */
+        assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), "a/b c.yaml, frame 2: particle ");
+        assert_non_null(strstr(test_last_error(), "m/s: steps of "));
+        assert_int_equal(ssfr_make_count(folder), 2);
+    }
     free(folder);
     remove_all(cache);
     ssfr_description_destroy(&d);

@@ -151,7 +151,7 @@ refuses 'so is a backend that is none' 'wrong.yaml:3:1: backend gpu: expected gl
 wrong 's/48x32/48/'
 refuses 'so is a size that is none' 'wrong.yaml:2:1: size 48: expected WxH' sweep wrong.yaml -o w.csv
 wrong 's/block/rock/'
-refuses 'so is a scene that is none' 'wrong.yaml:1:1: scene rock: neither' sweep wrong.yaml -o w.csv
+refuses 'so is a scene that is none' 'wrong.yaml:1:1: rock: no such file' sweep wrong.yaml -o w.csv
 wrong 's/x: iterations/x: ref_speed/'
 refuses 'so is a column that a plot cannot have' 'plot: the table will have no column ref_speed' \
     sweep wrong.yaml -o w.csv
