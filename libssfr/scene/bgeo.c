@@ -15,8 +15,7 @@
 #include <zlib.h>
 
 enum { VERSION = 5, MAX_ATTRIBUTES = 256, MAX_WORDS = 1 << 20, BLOCK = 1 << 16 /* bytes */ };
-/* No deflated byte makes more than so many; zlib holds fewer than so many bytes back. */
-enum { DEFLATE_MOST = 1032, WAITING = 64 };
+enum { WAITING = 64 /* bytes, more than zlib holds back */ };
 enum { PLACE = 4 /* numbers: x y z w */, NUMBER = 4 /* bytes */, NAME = 64 /* bytes; ours are shorter */ };
 
 typedef enum type { FLOAT = 0, INT = 1, WORD = 4, VECTOR = 5 } type;
@@ -141,7 +140,8 @@ end:
 /* The most bytes that may follow. */
 static size_t most_left(const input *in)
 {
-    const size_t left = (size_t)(in->file.end - in->file.at) + in->z.avail_in, most = (left + WAITING) * DEFLATE_MOST;
+    const size_t left = (size_t)(in->file.end - in->file.at) + in->z.avail_in;
+    const size_t most = (left + WAITING) * SSFR_DEFLATE_MOST;
     return !in->packed ? left : most < in->left ? most : in->left;
 }
 

@@ -18,7 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { CHUNK = 16384, DEFLATE_LEVEL = 6, DEFLATE_MOST = 1032 /* times: no deflated byte makes more */ };
+enum { CHUNK = 16384, DEFLATE_LEVEL = 6 };
 
 /* ---- living with the library ------------------------------------------------------------------------------------- */
 
@@ -227,7 +227,7 @@ static ssfr_result check_dataset(const source *s, hid_t dataset, const char *nam
     } else if (space < 0 || !read_shape(space, count, foreign, dims)) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected an array of n x %zu values, found %s", path, name, count,
                            space < 0 ? "none" : shape_text(space, shape));
-    } else if (dims[0] > s->size * DEFLATE_MOST / (count * H5Tget_size(type))) {
+    } else if (dims[0] > s->size * SSFR_DEFLATE_MOST / (count * H5Tget_size(type))) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: %llu particles do not fit into a file of %zu bytes", path, name,
                            (unsigned long long)dims[0], s->size);
     } else if (!chunks_fit(dataset, H5Sget_simple_extent_ndims(space), dims)) {

@@ -68,6 +68,7 @@ ssfr_writer ssfr_hdf5_write, ssfr_ply_write, ssfr_vtk_write, ssfr_pos_write, ssf
 
 enum { SSFR_READ_MAX_GIB = 8 };
 #define SSFR_READ_MAX ((size_t)SSFR_READ_MAX_GIB << 30) /* bytes, the largest file that is read whole */
+enum { SSFR_DEFLATE_MOST = 1032 /* times: no deflated byte makes more */ };
 
 /* Room for n particles' positions. The caller has held n against the file's size. */
 SSFR_MUST ssfr_result ssfr_reading_begin(ssfr_reading *reading, size_t n);

@@ -12,7 +12,7 @@
 #include <strings.h>
 #include <zlib.h>
 
-enum { DEFLATE_MOST = 1032 /* times: no deflated byte makes more */, PARSED = 1 << 28 /* bytes, at once */ };
+enum { PARSED = 1 << 28 /* bytes, at once */ };
 
 typedef enum format { TEXT, INLINE, APPENDED } format;
 
@@ -396,7 +396,7 @@ static ssfr_result read_blocks(const vtkxml *x, source *s, const values *v, size
         sum += b->sizes[i];
         if (b->sizes[i] > b->most) b->most = b->sizes[i];
     }
-    if (total / DEFLATE_MOST > sum) result = fail_values(x, v, n, "no deflated data make so many");
+    if (total / SSFR_DEFLATE_MOST > sum) result = fail_values(x, v, n, "no deflated data make so many");
 end:
     return result;
 }
@@ -550,7 +550,7 @@ end:
 /* Room for the points of all pieces. A coordinate has at least a byte, or is deflated. */
 static ssfr_result begin_reading(const vtkxml *x)
 {
-    const size_t size = (size_t)(x->file_end - x->file), most = size * (x->deflated ? DEFLATE_MOST : 1) / 3;
+    const size_t size = (size_t)(x->file_end - x->file), most = size * (x->deflated ? SSFR_DEFLATE_MOST : 1) / 3;
     size_t n = 0;
     if (x->n_pieces == 0) return ssfr_fail(SSFR_ERR_FORMAT, "%s: there is no Piece", x->reading->path);
     for (const piece *p = x->pieces; p < x->pieces + x->n_pieces; n += p->n, p++)
