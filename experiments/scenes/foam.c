@@ -303,7 +303,9 @@ static void count_births(ssfr_foam *foam, size_t s, double dt)
     const ssfr_foam_params *p = &foam->params;
     const ssfr_foam_flow *f = &foam->flow;
     const size_t i = f->order[s];
-    const double i_k = energy_potential(p, f->velocity + 3 * s, f->radius);
+    float velocity[3];
+    ssfr_foam_flow_velocity(f, s, velocity);
+    const double i_k = energy_potential(p, velocity, f->radius);
     foam->first[i] = 0;
     foam->longevity[i] = 0;
     if (!(i_k > 0)) return;
