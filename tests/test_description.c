@@ -27,7 +27,7 @@ static const char whole[] =
     "  tip: {pivot: [-0.5, 0.5, 0], axis: [0, 0, 2], period: 4,\n"
     "        keys: [{time: 0}, {time: 1, turn_deg: -30}, {time: 2}]}\n"
     "fluid:\n"
-    "  basin: {lo: [-0.8, 0, -0.5], hi: [0.9, 0.2, 0.5], velocity: [0.5, 0, -1], count: 20000}\n"
+    "  basin: {lo: [-0.8, 0, -0.5], hi: [0.9, 0.2, 0.5], velocity: [0.5, 0, -1], count: 5000}\n"
     "emitters:\n"
     "  spout: {centre: [-0.8, 1, 0], direction: [2, 0, 0], radius: 0.1, speed: 2.385, start: 0.5, stop: 3.5}\n"
     "  slot: {centre: [0, 1.2, 0], direction: [0, -1, 0], size: [0.2, 0.1], speed: 1, motion: tip}\n"
@@ -111,7 +111,7 @@ static void its_parts_are_read(void **state)
     assert_true(d->bodies[2].hidden);
     assert_vector(d->bodies[2].solid.colour, 0.6, 0.5, 0.4);
     assert_int_equal(d->n_pools, 1);
-    assert_int_equal(d->pools[0].count, 20000);
+    assert_int_equal(d->pools[0].count, 5000);
     assert_vector(d->pools[0].velocity, 0.5, 0, -1);
     assert_int_equal(d->n_emitters, 2);
     const ssfr_emitter *spout = &d->emitters[0], *slot = &d->emitters[1];
@@ -156,7 +156,7 @@ static void quick_has_fewer_and_larger_particles(void **state)
     ssfr_description *d = describe(whole, SSFR_SCALE_QUICK);
     assert_close(d->solver.radius, 0.02 * cbrt(16), 1e-15, 0);
     assert_int_equal(d->solver.max_particles, 4000);
-    assert_int_equal(d->pools[0].count, 1250);
+    assert_int_equal(d->pools[0].count, 313);
     assert_close(d->emitters[0].half[0], 0.1, 0, 0);
     assert_int_equal(d->n_frames, 101);
     ssfr_description_destroy(&d);
@@ -255,6 +255,48 @@ static void the_documented_scenes_are_scenes(void **state)
     }
     assert_int_equal(n, 2);
     free(text);
+}
+
+/* Each key that an error lists stands in the document, as code. */
+static void assert_keys_documented(const char *document, const char *scene)
+{
+    char list[1024];
+    ssfr_description *d = NULL;
+    assert_fails(SSFR_ERR_FORMAT, ssfr_description_parse(&d, "s.yaml", scene, SSFR_SCALE_FULL, NULL), "no key nothing");
+    snprintf(list, sizeof list, "%s", strstr(test_last_error(), " has ") + strlen(" has "));
+    for (char *name = strtok(list, ", "); name; name = strtok(NULL, ", ")) {
+        char code[64];
+        snprintf(code, sizeof code, "`%s`", name);
+        if (!strstr(document, code)) print_error("docs/scenes.md lacks %s\n", code);
+        assert_non_null(strstr(document, code));
+    }
+}
+
+static void every_key_is_documented(void **state)
+{
+    (void)state;
+    static const char *const shapes[] = {"box", "ramp", "cylinder", "tube", "sphere", "plane", "mesh"};
+    static const char *const parts[] = {
+        "nothing: 1\n",
+        "title: t\nradius: 1\nparticles: 1\nduration: 1\ndomain: {nothing: 1}\n",
+        TANK "fluid: {p: {nothing: 1}}\n",
+        TANK "emitters: {e: {nothing: 1}}\n",
+        TANK "sinks: {s: {nothing: 1}}\n",
+        TANK "motions: {m: {nothing: 1}}\n",
+        TANK "motions: {m: {keys: [{nothing: 1}]}}\n",
+        TANK "cameras: {c: {nothing: 1}}\n",
+        TANK "cameras: {c: {keys: [{nothing: 1}]}}\n",
+    };
+    char *document = NULL;
+    size_t size = 0;
+    assert_int_equal(ssfr_read_file("docs/scenes.md", 1 << 20, &document, &size), SSFR_OK);
+    for (size_t i = 0; i < SSFR_COUNT(parts); i++) assert_keys_documented(document, parts[i]);
+    for (size_t i = 0; i < SSFR_COUNT(shapes); i++) {
+        char text[300];
+        snprintf(text, sizeof text, TANK "solids: {s: {shape: %s, nothing: 1}}\n", shapes[i]);
+        assert_keys_documented(document, text);
+    }
+    free(document);
 }
 
 /* ---- motions ----------------------------------------------------------------------------------------------------- */
@@ -759,6 +801,7 @@ static const struct {
     {SSFR_ERR_VALUE, TANK POOL "solver: {iterations: -3}\n", "s.yaml:7:22: solver.iterations=-3: out of range"},
     {SSFR_ERR_FORMAT, TANK POOL "foam:\n", "foam: expected a map of key: value"},
     {SSFR_ERR_VALUE, TANK POOL "foam: {drag: fast}\n", "s.yaml:7:14: foam.drag=fast: expected a finite number"},
+    {SSFR_ERR_VALUE, TANK POOL "foam: {energy_min: 1, energy_max: 0.5}\n", "s.yaml:7:7: "},
     {SSFR_ERR_FORMAT, TANK, "s.yaml:5:1: the scene has neither fluid nor emitters"},
     {SSFR_ERR_FORMAT, TANK "fluid: {}\n", "s.yaml:5:1: the scene has neither fluid nor emitters"},
     /* the domain */
@@ -793,8 +836,11 @@ static const struct {
      "s.yaml:7:3: p: from 0 to 5 m along y, the domain goes from -4 to 4 m"},
     {SSFR_ERR_VALUE, FLUID("lo: [0, 0, 0], hi: [1, 1, 1], count: 0"), "s.yaml:7:44: count: 0 is out of range"},
     {SSFR_ERR_VALUE, FLUID("lo: [0, 0, 0], hi: [1, 1, 1], count: 1e9"), "count: 1e9 is out of range"},
-    {SSFR_ERR_VALUE, FLUID("lo: [0, 0, 0], hi: [1, 1, 1], count: 100001"),
-     "s.yaml:7:3: p: pools of 100001 particles, the scene has 100000"},
+    {SSFR_ERR_VALUE, FLUID("lo: [0, 0, 0], hi: [1, 1, 1], count: 1001"),
+     "s.yaml:7:3: p: count: 1001, but there is room for 1000 at full scale"},
+    {SSFR_ERR_VALUE, FLUID("lo: [0, 0, 0], hi: [4, 4, 4], count: 60000")
+     "  q: {lo: [-4, 0, 0], hi: [0, 4, 4], count: 40001}\n",
+     "s.yaml:8:3: q: pools of 100001 particles, the scene has 100000"},
     {SSFR_ERR_VALUE, FLUID("lo: [0, 0, 0], hi: [1, 0.09, 1]"),
      "s.yaml:7:3: p: no room for a particle of radius 0.05 m"},
     {SSFR_ERR_VALUE, FLUID("lo: [0, 0, 0], hi: [1, 1, 1]")
@@ -1020,6 +1066,7 @@ int main(void)
         cmocka_unit_test(the_ground_is_the_domains_bottom_unless_that_is_open),
         cmocka_unit_test(frames_are_counted_up_to_the_duration),
         cmocka_unit_test(the_documented_scenes_are_scenes),
+        cmocka_unit_test(every_key_is_documented),
         cmocka_unit_test(a_smooth_motion_is_at_its_keys_and_half_way_between_at_half_time),
         cmocka_unit_test(a_smooth_motion_rests_at_its_keys),
         cmocka_unit_test(a_linear_motion_has_one_speed_and_a_period_repeats_it),

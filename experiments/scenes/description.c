@@ -144,11 +144,21 @@ end:
     return result;
 }
 
+/* Parameters may each be in range and yet not fit together: foam says so, and this says where. */
 static ssfr_result read_foam(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
+    ssfr_result result = SSFR_OK;
     ssfr_reading *r = to;
+    ssfr_foam *foam = NULL;
+    char place[SSFR_YAML_PLACE];
+    SSFR_TRY(ssfr_yaml_read_params(node, row, &r->d.foam));
+    ssfr_log_about(ssfr_yaml_place(node, place));
+    result = ssfr_foam_create(&foam, &r->d.foam, r->d.solver.gravity, 0);
+    ssfr_log_about(NULL);
     r->d.has_foam = true;
-    return ssfr_yaml_read_params(node, row, &r->d.foam);
+end:
+    ssfr_foam_destroy(&foam);
+    return result;
 }
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
@@ -206,6 +216,7 @@ static ssfr_result count_frames(ssfr_reading *r, const ssfr_yaml_node *root)
 static void apply_scale(ssfr_reading *r)
 {
     const bool quick = r->d.scale == SSFR_SCALE_QUICK;
+    r->spacing = ssfr_description_spacing(&r->d);
     r->d.solver.radius *= quick ? cbrt(SSFR_QUICK_SHARE) : 1;
     r->d.solver.max_particles = quick ? (r->particles + SSFR_QUICK_SHARE / 2) / SSFR_QUICK_SHARE : r->particles;
     if (r->d.solver.max_particles == 0) r->d.solver.max_particles = 1;

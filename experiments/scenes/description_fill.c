@@ -56,9 +56,8 @@ static double count_places(double width, double spacing)
     return floor(width / spacing + hit);
 }
 
-double ssfr_description_places(const ssfr_description *d, const ssfr_pool *pool)
+double ssfr_description_places(const ssfr_pool *pool, double spacing)
 {
-    const double spacing = ssfr_description_spacing(d);
     double n = 1;
     for (int k = 0; k < 3; k++) n *= count_places(pool->hi[k] - pool->lo[k], spacing);
     return n;
@@ -124,7 +123,7 @@ end:
 
 static size_t most_of(const ssfr_description *d, const ssfr_pool *pool, size_t left)
 {
-    const double places = ssfr_description_places(d, pool);
+    const double places = ssfr_description_places(pool, ssfr_description_spacing(d));
     size_t most = places < (double)left ? (size_t)places : left;
     return pool->count > 0 && pool->count < most ? pool->count : most;
 }

@@ -25,7 +25,7 @@ static ssfr_result check_box(const ssfr_yaml_node *node, const double lo[3], con
 static ssfr_result check_pool(const ssfr_reading *r, const ssfr_yaml_node *node, const ssfr_pool *pool)
 {
     const ssfr_solver_setup *s = &r->d.solver;
-    const double places = ssfr_description_places(&r->d, pool);
+    const double places = ssfr_description_places(pool, ssfr_description_spacing(&r->d));
     for (int k = 0; k < 3; k++)
         if (pool->lo[k] < s->lo[k] - slack || pool->hi[k] > s->hi[k] + slack)
             return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE,
@@ -44,6 +44,15 @@ static ssfr_result check_pool(const ssfr_reading *r, const ssfr_yaml_node *node,
     return SSFR_OK;
 }
 
+/* At full scale, whichever is read: at the other the lattice has another number of places. */
+static ssfr_result check_count(const ssfr_reading *r, const ssfr_yaml_node *node, const ssfr_pool *pool)
+{
+    const double places = ssfr_description_places(pool, r->spacing);
+    if (!((double)pool->count > places)) return SSFR_OK;
+    return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%.80s: count: %zu, but there is room for %.0f at full scale",
+                          node->name, pool->count, places);
+}
+
 static ssfr_result read_pool(ssfr_reading *r, const ssfr_yaml_node *node, ssfr_pool *pool)
 {
     static const ssfr_yaml_row rows[] = {
@@ -58,6 +67,7 @@ static ssfr_result read_pool(ssfr_reading *r, const ssfr_yaml_node *node, ssfr_p
     SSFR_TRY(ssfr_yaml_read_map(node, rows, pool));
     SSFR_TRY(check_box(node, pool->lo, pool->hi));
     SSFR_TRY(check_pool(r, node, pool));
+    SSFR_TRY(check_count(r, node, pool));
 end:
     return result;
 }

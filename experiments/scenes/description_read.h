@@ -23,6 +23,7 @@ typedef struct ssfr_reading {
     char *folder; /* what paths are relative to, with its '/'; "" for the current one */
     ssfr_mesh_loader *load_mesh;
     size_t particles;      /* at full scale */
+    double spacing;        /* m, of the lattice at full scale */
     double duration;       /* s */
     const ssfr_yaml_node *domain, *motions, *solids, *pools, *emitters, *sinks, *cameras; /* NULL when not given */
 } ssfr_reading;
@@ -55,7 +56,7 @@ double ssfr_description_spacing(const ssfr_description *description);
 /* Whether one particle finds room in a box, on a lattice of that spacing (m). */
 SSFR_MUST ssfr_result ssfr_description_has_room(const ssfr_description *description, const double lo[3],
                                                 const double hi[3], const double spacing[3], bool *out);
-/* How many places the lattice of a pool has, without a look at solids. */
-double ssfr_description_places(const ssfr_description *description, const ssfr_pool *pool);
+/* How many places a lattice of that spacing (m) has in a pool, without a look at solids. */
+double ssfr_description_places(const ssfr_pool *pool, double spacing);
 
 #endif
