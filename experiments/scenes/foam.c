@@ -215,14 +215,6 @@ void ssfr_foam_remove(ssfr_foam *foam, const ssfr_solid *sink)
     sweep(foam);
 }
 
-void ssfr_foam_keep(ssfr_foam *foam, const double lo[3], const double hi[3])
-{
-    const ssfr_domain box = {.lo = {lo[0], lo[1], lo[2]}, .hi = {hi[0], hi[1], hi[2]}};
-    for (size_t i = 0; i < foam->n; i++)
-        if (ssfr_domain_leaves(&box, foam->position + 3 * i)) foam->kind[i] = DEAD;
-    sweep(foam);
-}
-
 /* ---- motion ------------------------------------------------------------------------------------------------------ */
 
 /* By the count of fluid neighbours. What seems foam may be a bubble beside a wall, behind which there is no fluid to

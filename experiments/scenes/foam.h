@@ -56,9 +56,8 @@ typedef struct ssfr_foam_cause {
 SSFR_MUST ssfr_result ssfr_foam_causes(ssfr_foam *foam, const ssfr_fluid *fluid, int n_obstacles,
                                        const ssfr_obstacle *obstacles, ssfr_foam_cause *out);
 
-/* Removes what is inside the solid, or outside of the box. */
+/* Removes what is inside the solid. */
 void ssfr_foam_remove(ssfr_foam *foam, const ssfr_solid *sink);
-void ssfr_foam_keep(ssfr_foam *foam, const double lo[3], const double hi[3]);
 
 size_t ssfr_foam_count(const ssfr_foam *foam);
 /* Packs position, velocity, kind (ssfr_kind), lifetime (remaining), initial_lifetime and id. radius: m, what they are
