@@ -265,7 +265,7 @@ static void resolve_aliases(ssfr_yaml *tree)
     }
 }
 
-static ssfr_result copy_text(char **out, const char *before, const char *text)
+ssfr_result ssfr_yaml_copy(char **out, const char *before, const char *text)
 {
     const size_t size = strlen(before) + strlen(text) + 1;
     const ssfr_result result = ssfr_alloc(out, size, 1, "a text");
@@ -277,9 +277,9 @@ static ssfr_result new_tree(ssfr_yaml **out, const char *path, const char *what)
 {
     ssfr_result result = SSFR_OK;
     SSFR_TRY(ssfr_alloc(out, 1, sizeof **out, "YAML"));
-    SSFR_TRY(copy_text(&(*out)->path, "", path));
-    SSFR_TRY(copy_text(&(*out)->what, "", what));
-    SSFR_TRY(copy_text(&(*out)->root_name, "the ", what));
+    SSFR_TRY(ssfr_yaml_copy(&(*out)->path, "", path));
+    SSFR_TRY(ssfr_yaml_copy(&(*out)->what, "", what));
+    SSFR_TRY(ssfr_yaml_copy(&(*out)->root_name, "the ", what));
 end:
     return result;
 }
@@ -396,7 +396,7 @@ ssfr_result ssfr_yaml_read_text(const ssfr_yaml_node *node, const ssfr_yaml_row 
     SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
     free(*text);
     *text = NULL;
-    result = copy_text(text, "", node->text);
+    result = ssfr_yaml_copy(text, "", node->text);
 end:
     return result;
 }

@@ -51,6 +51,9 @@ SSFR_MUST ssfr_result ssfr_yaml_expect(const ssfr_yaml_node *node, ssfr_yaml_kin
 /* The value of a key of a map; NULL when it is not there. */
 const ssfr_yaml_node *ssfr_yaml_find(const ssfr_yaml_node *map, const char *name);
 
+/* A new text of two, to free(). */
+SSFR_MUST ssfr_result ssfr_yaml_copy(char **out, const char *before, const char *text);
+
 /* ---- rows: what a map may hold, and where it goes ---------------------------------------------------------------- */
 
 typedef struct ssfr_yaml_row ssfr_yaml_row;

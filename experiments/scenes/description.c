@@ -13,24 +13,16 @@ enum { MAX_FRAMES = 100000, MAX_GROUPS = 16 };
 
 /* ---- what all parts use ------------------------------------------------------------------------------------------ */
 
-ssfr_result ssfr_reading_copy(char **out, const char *before, const char *text)
-{
-    const size_t size = strlen(before) + strlen(text) + 1;
-    const ssfr_result result = ssfr_alloc(out, size, 1, "a text");
-    if (result == SSFR_OK) snprintf(*out, size, "%s%s", before, text);
-    return result;
-}
-
-ssfr_result ssfr_reading_count(const ssfr_yaml_node *map, int most, int *n)
+ssfr_result ssfr_reading_make(const ssfr_yaml_node *node, ssfr_yaml_kind kind, size_t size, void *out, int *n)
 {
     ssfr_result result = SSFR_OK;
     *n = 0;
-    if (!map) return SSFR_OK;
-    SSFR_TRY(ssfr_yaml_expect(map, SSFR_YAML_MAP));
-    if (map->n > (size_t)most)
-        return ssfr_yaml_fail(ssfr_yaml_head(map), SSFR_ERR_VALUE, "%s: %zu of them, at most %d", map->name, map->n,
-                              most);
-    *n = (int)map->n;
+    if (node) SSFR_TRY(ssfr_yaml_expect(node, kind));
+    if (node && (node->n > SSFR_MAX_PARTS || (kind == SSFR_YAML_LIST && node->n == 0)))
+        return ssfr_yaml_fail(node, SSFR_ERR_VALUE, "%s: %zu of them, expected 1 to %d", node->name, node->n,
+                              SSFR_MAX_PARTS);
+    SSFR_TRY(ssfr_alloc(out, node ? node->n : 0, size, "parts of a scene"));
+    *n = node ? (int)node->n : 0;
 end:
     return result;
 }
@@ -68,9 +60,9 @@ static ssfr_result add_setting(ssfr_reading *r, const char *group, const ssfr_ya
     bigger += d->n_settings - 1;
     if (snprintf(full, sizeof full, "%s%s", group, key->text) >= (int)sizeof full)
         return ssfr_yaml_fail(key, SSFR_ERR_VALUE, "%.80s: the key is too long", key->text);
-    SSFR_TRY(ssfr_reading_copy(&bigger->key, "", full));
-    SSFR_TRY(ssfr_reading_copy(&bigger->value, "", value->text));
-    SSFR_TRY(ssfr_reading_copy(&bigger->where, "", ssfr_yaml_place(key, where)));
+    SSFR_TRY(ssfr_yaml_copy(&bigger->key, "", full));
+    SSFR_TRY(ssfr_yaml_copy(&bigger->value, "", value->text));
+    SSFR_TRY(ssfr_yaml_copy(&bigger->where, "", ssfr_yaml_place(key, where)));
 end:
     return result;
 }
@@ -135,7 +127,7 @@ static ssfr_result read_image(const ssfr_yaml_node *node, const ssfr_yaml_row *r
     char **path = strcmp(row->name, "environment") == 0 ? &r->d.environment : &r->d.background;
     struct stat info;
     SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
-    SSFR_TRY(ssfr_reading_copy(path, node->text[0] == '/' ? "" : r->folder, node->text));
+    SSFR_TRY(ssfr_yaml_copy(path, node->text[0] == '/' ? "" : r->folder, node->text));
     errno = 0;
     if (stat(*path, &info) != 0 || !S_ISREG(info.st_mode))
         result = ssfr_yaml_fail(node, SSFR_ERR_IO, "%s: %.300s: %s", node->name, *path,
@@ -291,7 +283,7 @@ void ssfr_description_destroy(ssfr_description **description)
 static ssfr_result find_folder(char **out, const char *path)
 {
     const char *slash = strrchr(path, '/');
-    const ssfr_result result = ssfr_reading_copy(out, "", path);
+    const ssfr_result result = ssfr_yaml_copy(out, "", path);
     if (result == SSFR_OK) (*out)[slash ? slash - path + 1 : 0] = '\0';
     return result;
 }
@@ -304,8 +296,8 @@ static ssfr_result parse(ssfr_description **out, const char *name, const char *t
     ssfr_yaml *tree = NULL;
     *out = NULL;
     SSFR_TRY(ssfr_yaml_parse(&tree, name, "scene", text, size));
-    SSFR_TRY(ssfr_reading_copy(&r.d.name, "", name));
-    SSFR_TRY(ssfr_reading_copy(&r.d.text, "", text));
+    SSFR_TRY(ssfr_yaml_copy(&r.d.name, "", name));
+    SSFR_TRY(ssfr_yaml_copy(&r.d.text, "", text));
     SSFR_TRY(find_folder(&r.folder, name));
     SSFR_TRY(read_scene(&r, ssfr_yaml_root(tree)));
     SSFR_TRY(ssfr_alloc(out, 1, sizeof **out, "a scene"));

@@ -4,12 +4,7 @@
 
 static const double slack = 1e-9; /* m, by which boxes may miss each other by rounding */
 
-enum { MAX_POOLS = 1000, MAX_EMITTERS = 1000, MAX_SINKS = 1000 };
-
-#define PLACE .unit = "m", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH
-#define LENGTH .unit = "m", .min = SSFR_MIN_LENGTH, .max = SSFR_MAX_LENGTH
 #define SPEED .unit = "m/s", .min = -SSFR_MAX_SPEED, .max = SSFR_MAX_SPEED
-#define TIME .unit = "s", .min = 0, .max = SSFR_MAX_TIME
 
 static ssfr_result check_box(const ssfr_yaml_node *node, const double lo[3], const double hi[3])
 {
@@ -56,14 +51,14 @@ static ssfr_result check_count(const ssfr_reading *r, const ssfr_yaml_node *node
 static ssfr_result read_pool(ssfr_reading *r, const ssfr_yaml_node *node, ssfr_pool *pool)
 {
     static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("lo", ssfr_yaml_read_real3, ssfr_pool, lo, .needed = true, PLACE),
-        SSFR_YAML_ROW("hi", ssfr_yaml_read_real3, ssfr_pool, hi, .needed = true, PLACE),
+        SSFR_YAML_ROW("lo", ssfr_yaml_read_real3, ssfr_pool, lo, .needed = true, SSFR_RANGE_PLACE),
+        SSFR_YAML_ROW("hi", ssfr_yaml_read_real3, ssfr_pool, hi, .needed = true, SSFR_RANGE_PLACE),
         SSFR_YAML_ROW("velocity", ssfr_yaml_read_real3, ssfr_pool, velocity, SPEED),
         SSFR_YAML_ROW("count", ssfr_yaml_read_count, ssfr_pool, count, .min = 1, .max = SSFR_MAX_FLUID),
         SSFR_YAML_ROW_END,
     };
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_reading_copy(&pool->name, "", node->name));
+    SSFR_TRY(ssfr_yaml_copy(&pool->name, "", node->name));
     SSFR_TRY(ssfr_yaml_read_map(node, rows, pool));
     SSFR_TRY(check_box(node, pool->lo, pool->hi));
     SSFR_TRY(check_pool(r, node, pool));
@@ -75,12 +70,9 @@ end:
 ssfr_result ssfr_reading_pools(ssfr_reading *r)
 {
     ssfr_result result = SSFR_OK;
-    int n = 0;
     size_t total = 0;
-    SSFR_TRY(ssfr_reading_count(r->pools, MAX_POOLS, &n));
-    SSFR_TRY(ssfr_alloc(&r->d.pools, (size_t)n, sizeof *r->d.pools, "pools"));
-    r->d.n_pools = n;
-    for (int i = 0; i < n; i++) {
+    SSFR_TRY(ssfr_reading_make(r->pools, SSFR_YAML_MAP, sizeof *r->d.pools, &r->d.pools, &r->d.n_pools));
+    for (int i = 0; i < r->d.n_pools; i++) {
         ssfr_pool *pool = &r->d.pools[i];
         SSFR_TRY(read_pool(r, r->pools->values[i], pool));
         total += pool->count;
@@ -139,15 +131,15 @@ static ssfr_result check_emitter(const ssfr_reading *r, const ssfr_yaml_node *no
 static ssfr_result read_emitter(const ssfr_reading *r, const ssfr_yaml_node *node, ssfr_emitter *out)
 {
     static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("centre", ssfr_yaml_read_real3, entry, e.centre, .needed = true, PLACE),
+        SSFR_YAML_ROW("centre", ssfr_yaml_read_real3, entry, e.centre, .needed = true, SSFR_RANGE_PLACE),
         SSFR_YAML_ROW("direction", ssfr_reading_direction, entry, e.direction, .needed = true),
         SSFR_YAML_ROW("up", ssfr_reading_direction, entry, up),
-        SSFR_YAML_ROW("radius", ssfr_yaml_read_real, entry, radius, LENGTH),
-        SSFR_YAML_ROW("size", ssfr_yaml_read_real2, entry, size, LENGTH),
+        SSFR_YAML_ROW("radius", ssfr_yaml_read_real, entry, radius, SSFR_RANGE_LENGTH),
+        SSFR_YAML_ROW("size", ssfr_yaml_read_real2, entry, size, SSFR_RANGE_LENGTH),
         SSFR_YAML_ROW("speed", ssfr_yaml_read_real, entry, e.speed, .needed = true, .unit = "m/s", .min = 1e-3,
                       .max = SSFR_MAX_SPEED),
-        SSFR_YAML_ROW("start", ssfr_yaml_read_real, entry, e.start, TIME),
-        SSFR_YAML_ROW("stop", ssfr_yaml_read_real, entry, e.stop, TIME),
+        SSFR_YAML_ROW("start", ssfr_yaml_read_real, entry, e.start, SSFR_RANGE_TIME),
+        SSFR_YAML_ROW("stop", ssfr_yaml_read_real, entry, e.stop, SSFR_RANGE_TIME),
         SSFR_YAML_ROW("motion", ssfr_yaml_read_node, entry, motion),
         SSFR_YAML_ROW_END,
     };
@@ -169,11 +161,8 @@ end:
 ssfr_result ssfr_reading_emitters(ssfr_reading *r)
 {
     ssfr_result result = SSFR_OK;
-    int n = 0;
-    SSFR_TRY(ssfr_reading_count(r->emitters, MAX_EMITTERS, &n));
-    SSFR_TRY(ssfr_alloc(&r->d.emitters, (size_t)n, sizeof *r->d.emitters, "emitters"));
-    r->d.n_emitters = n;
-    for (int i = 0; i < n; i++) SSFR_TRY(read_emitter(r, r->emitters->values[i], &r->d.emitters[i]));
+    SSFR_TRY(ssfr_reading_make(r->emitters, SSFR_YAML_MAP, sizeof *r->d.emitters, &r->d.emitters, &r->d.n_emitters));
+    for (int i = 0; i < r->d.n_emitters; i++) SSFR_TRY(read_emitter(r, r->emitters->values[i], &r->d.emitters[i]));
 end:
     return result;
 }
@@ -186,8 +175,8 @@ static ssfr_result read_sink(const ssfr_yaml_node *node, ssfr_solid *out)
         double lo[3], hi[3];
     } box;
     static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("lo", ssfr_yaml_read_real3, box, lo, .needed = true, PLACE),
-        SSFR_YAML_ROW("hi", ssfr_yaml_read_real3, box, hi, .needed = true, PLACE),
+        SSFR_YAML_ROW("lo", ssfr_yaml_read_real3, box, lo, .needed = true, SSFR_RANGE_PLACE),
+        SSFR_YAML_ROW("hi", ssfr_yaml_read_real3, box, hi, .needed = true, SSFR_RANGE_PLACE),
         SSFR_YAML_ROW_END,
     };
     ssfr_result result = SSFR_OK;
@@ -206,11 +195,8 @@ end:
 ssfr_result ssfr_reading_sinks(ssfr_reading *r)
 {
     ssfr_result result = SSFR_OK;
-    int n = 0;
-    SSFR_TRY(ssfr_reading_count(r->sinks, MAX_SINKS, &n));
-    SSFR_TRY(ssfr_alloc(&r->d.sinks, (size_t)n, sizeof *r->d.sinks, "sinks"));
-    r->d.n_sinks = n;
-    for (int i = 0; i < n; i++) SSFR_TRY(read_sink(r->sinks->values[i], &r->d.sinks[i]));
+    SSFR_TRY(ssfr_reading_make(r->sinks, SSFR_YAML_MAP, sizeof *r->d.sinks, &r->d.sinks, &r->d.n_sinks));
+    for (int i = 0; i < r->d.n_sinks; i++) SSFR_TRY(read_sink(r->sinks->values[i], &r->d.sinks[i]));
 end:
     return result;
 }

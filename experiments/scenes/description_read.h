@@ -12,9 +12,14 @@
 #define SSFR_MAX_SPEED 1e4   /* m/s, and m/s^2 of gravity */
 #define SSFR_MAX_TIME 1e5    /* s */
 
+/* The end of a row for such values. */
+#define SSFR_RANGE_PLACE .unit = "m", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH
+#define SSFR_RANGE_LENGTH .unit = "m", .min = SSFR_MIN_LENGTH, .max = SSFR_MAX_LENGTH
+#define SSFR_RANGE_TIME .unit = "s", .min = 0, .max = SSFR_MAX_TIME
+
 enum {
     SSFR_MAX_FLUID = (1u << 31) / 64, /* particles: what 32-bit indices and the memory of today hold */
-    SSFR_MAX_PARTS = 1000,            /* solids, or keys of a motion or a camera */
+    SSFR_MAX_PARTS = 1000,            /* solids, pools, keys of a motion, ... */
 };
 
 /* A description in the making. */
@@ -39,10 +44,10 @@ SSFR_MUST ssfr_result ssfr_reading_views(ssfr_reading *reading);
 /* That there is fluid and room for it. */
 SSFR_MUST ssfr_result ssfr_reading_check_room(const ssfr_reading *reading);
 
-/* A map of names to allocate for: how many there are, 0 when it is not given, `most` at most. */
-SSFR_MUST ssfr_result ssfr_reading_count(const ssfr_yaml_node *map, int most, int *n);
-/* A text's copy; of a path in the file, relative to the current folder. To free(). */
-SSFR_MUST ssfr_result ssfr_reading_copy(char **out, const char *before, const char *text);
+/* Zeroed memory, `size` bytes each, for what a map holds, or a list, which must not be empty; node NULL: for nothing.
+ * More than SSFR_MAX_PARTS are refused. */
+SSFR_MUST ssfr_result ssfr_reading_make(const ssfr_yaml_node *node, ssfr_yaml_kind kind, size_t size, void *out,
+                                        int *n);
 
 /* A reader for rows: double[3], which becomes a unit vector. */
 ssfr_yaml_read ssfr_reading_direction;

@@ -5,9 +5,6 @@
 
 static const double max_cells = 1 << 20; /* of the neighbour grid along an axis; a cell is a support wide */
 
-#define LENGTH .unit = "m", .min = SSFR_MIN_LENGTH, .max = SSFR_MAX_LENGTH
-#define PLACE .unit = "m", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH
-#define TIME .unit = "s", .min = 0, .max = SSFR_MAX_TIME
 #define ANGLE .unit = "deg", .min = -1e6, .max = 1e6
 #define FACTOR .min = 1e-6, .max = 1e6
 #define SHARE .min = 0, .max = 1
@@ -18,8 +15,8 @@ ssfr_result ssfr_reading_domain(ssfr_reading *r)
 {
     static const char *const sides[] = {"-x", "+x", "-y", "+y", "-z", "+z", NULL};
     static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("lo", ssfr_yaml_read_real3, ssfr_solver_setup, lo, .needed = true, PLACE),
-        SSFR_YAML_ROW("hi", ssfr_yaml_read_real3, ssfr_solver_setup, hi, .needed = true, PLACE),
+        SSFR_YAML_ROW("lo", ssfr_yaml_read_real3, ssfr_solver_setup, lo, .needed = true, SSFR_RANGE_PLACE),
+        SSFR_YAML_ROW("hi", ssfr_yaml_read_real3, ssfr_solver_setup, hi, .needed = true, SSFR_RANGE_PLACE),
         SSFR_YAML_ROW("open", ssfr_yaml_read_words, ssfr_solver_setup, open, .words = sides),
         SSFR_YAML_ROW_END,
     };
@@ -46,19 +43,15 @@ end:
 static ssfr_result read_pose_keys(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("time", ssfr_yaml_read_real, ssfr_pose_key, time, .needed = true, TIME),
-        SSFR_YAML_ROW("move", ssfr_yaml_read_real3, ssfr_pose_key, move, PLACE),
+        SSFR_YAML_ROW("time", ssfr_yaml_read_real, ssfr_pose_key, time, .needed = true, SSFR_RANGE_TIME),
+        SSFR_YAML_ROW("move", ssfr_yaml_read_real3, ssfr_pose_key, move, SSFR_RANGE_PLACE),
         SSFR_YAML_ROW("turn_deg", ssfr_yaml_read_real, ssfr_pose_key, turn_deg, ANGLE),
         SSFR_YAML_ROW_END,
     };
     ssfr_result result = SSFR_OK;
     ssfr_motion *motion = to;
     (void)row;
-    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_LIST));
-    if (node->n == 0 || node->n > SSFR_MAX_PARTS)
-        return ssfr_yaml_fail(node, SSFR_ERR_VALUE, "keys: %zu of them, expected 1 to %d", node->n, SSFR_MAX_PARTS);
-    SSFR_TRY(ssfr_alloc(&motion->keys, node->n, sizeof *motion->keys, "a motion"));
-    motion->n_keys = (int)node->n;
+    SSFR_TRY(ssfr_reading_make(node, SSFR_YAML_LIST, sizeof *motion->keys, &motion->keys, &motion->n_keys));
     for (size_t i = 0; i < node->n; i++) {
         SSFR_TRY(ssfr_yaml_read_map(node->values[i], rows, &motion->keys[i]));
         if (i > 0 && !(motion->keys[i].time > motion->keys[i - 1].time))
@@ -90,7 +83,7 @@ static ssfr_result read_motion(const ssfr_yaml_node *node, ssfr_motion *motion)
 {
     static const char *const easings[] = {"smooth", "linear", NULL}; /* as ssfr_easing */
     static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("pivot", ssfr_yaml_read_real3, ssfr_motion, pivot, PLACE),
+        SSFR_YAML_ROW("pivot", ssfr_yaml_read_real3, ssfr_motion, pivot, SSFR_RANGE_PLACE),
         SSFR_YAML_ROW("axis", ssfr_reading_direction, ssfr_motion, axis),
         SSFR_YAML_ROW("period", ssfr_yaml_read_real, ssfr_motion, period, .unit = "s", .min = 1e-3,
                       .max = SSFR_MAX_TIME),
@@ -100,7 +93,7 @@ static ssfr_result read_motion(const ssfr_yaml_node *node, ssfr_motion *motion)
     };
     ssfr_result result = SSFR_OK;
     motion->axis[1] = 1;
-    SSFR_TRY(ssfr_reading_copy(&motion->name, "", node->name));
+    SSFR_TRY(ssfr_yaml_copy(&motion->name, "", node->name));
     SSFR_TRY(ssfr_yaml_read_map(node, rows, motion));
     if (motion->period > 0) SSFR_TRY(check_period(motion, node));
 end:
@@ -110,11 +103,8 @@ end:
 ssfr_result ssfr_reading_motions(ssfr_reading *r)
 {
     ssfr_result result = SSFR_OK;
-    int n = 0;
-    SSFR_TRY(ssfr_reading_count(r->motions, SSFR_MAX_PARTS, &n));
-    SSFR_TRY(ssfr_alloc(&r->d.motions, (size_t)n, sizeof *r->d.motions, "motions"));
-    r->d.n_motions = n;
-    for (int i = 0; i < n; i++) SSFR_TRY(read_motion(r->motions->values[i], &r->d.motions[i]));
+    SSFR_TRY(ssfr_reading_make(r->motions, SSFR_YAML_MAP, sizeof *r->d.motions, &r->d.motions, &r->d.n_motions));
+    for (int i = 0; i < r->d.n_motions; i++) SSFR_TRY(read_motion(r->motions->values[i], &r->d.motions[i]));
 end:
     return result;
 }
@@ -158,11 +148,11 @@ typedef struct entry { /* a solid as it is written */
     ROW("colour", ssfr_yaml_read_real3, colour, SHARE),     \
     ROW("friction", ssfr_yaml_read_real, friction, SHARE),  \
     ROW("hidden", ssfr_yaml_read_flag, hidden)
-#define CENTRE ROW("centre", ssfr_yaml_read_real3, centre, .needed = true, PLACE)
-#define SIZE ROW("size", ssfr_yaml_read_real3, size, .needed = true, LENGTH)
-#define RADIUS ROW("radius", ssfr_yaml_read_real, radius, .needed = true, LENGTH)
-#define HEIGHT ROW("height", ssfr_yaml_read_real, height, .needed = true, LENGTH)
-#define INNER ROW("inner", ssfr_yaml_read_real, inner, .needed = true, LENGTH)
+#define CENTRE ROW("centre", ssfr_yaml_read_real3, centre, .needed = true, SSFR_RANGE_PLACE)
+#define SIZE ROW("size", ssfr_yaml_read_real3, size, .needed = true, SSFR_RANGE_LENGTH)
+#define RADIUS ROW("radius", ssfr_yaml_read_real, radius, .needed = true, SSFR_RANGE_LENGTH)
+#define HEIGHT ROW("height", ssfr_yaml_read_real, height, .needed = true, SSFR_RANGE_LENGTH)
+#define INNER ROW("inner", ssfr_yaml_read_real, inner, .needed = true, SSFR_RANGE_LENGTH)
 #define AXIS ROW("axis", ssfr_reading_direction, axis)
 #define TURN ROW("turn_deg", ssfr_yaml_read_real3, turn_deg, ANGLE)
 
@@ -175,7 +165,7 @@ static const ssfr_yaml_row plane_rows[] = {COMMON, CENTRE, ROW("normal", ssfr_re
 static const ssfr_yaml_row mesh_rows[] = {COMMON,
                                           ROW("file", ssfr_yaml_read_node, file, .needed = true),
                                           ROW("scale", ssfr_yaml_read_real, scale, FACTOR),
-                                          ROW("centre", ssfr_yaml_read_real3, centre, PLACE),
+                                          ROW("centre", ssfr_yaml_read_real3, centre, SSFR_RANGE_PLACE),
                                           TURN,
                                           SSFR_YAML_ROW_END};
 
@@ -265,7 +255,7 @@ static ssfr_result load_mesh(const ssfr_reading *r, const ssfr_yaml_node *node, 
     ssfr_result result = SSFR_OK;
     char place[SSFR_YAML_PLACE];
     SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
-    SSFR_TRY(ssfr_reading_copy(&body->file, node->text[0] == '/' ? "" : r->folder, node->text));
+    SSFR_TRY(ssfr_yaml_copy(&body->file, node->text[0] == '/' ? "" : r->folder, node->text));
     ssfr_log_about(ssfr_yaml_place(node, place));
     result = r->load_mesh(&body->mesh, body->file);
     ssfr_log_about(NULL);
@@ -289,7 +279,7 @@ static ssfr_result read_body(const ssfr_reading *r, const ssfr_yaml_node *node, 
     char what[SSFR_YAML_PLACE + 100], place[SSFR_YAML_PLACE];
     SSFR_TRY(find_shape(node, &shape));
     SSFR_TRY(ssfr_yaml_read_map(node, shape->rows, &e));
-    SSFR_TRY(ssfr_reading_copy(&body->name, "", node->name));
+    SSFR_TRY(ssfr_yaml_copy(&body->name, "", node->name));
     SSFR_TRY(ssfr_reading_find_motion(r, e.motion, &body->motion));
     body->friction = e.friction;
     body->hidden = e.hidden;
@@ -304,11 +294,9 @@ end:
 ssfr_result ssfr_reading_solids(ssfr_reading *r)
 {
     ssfr_result result = SSFR_OK;
-    int n = 0, n_drawn = 0;
-    SSFR_TRY(ssfr_reading_count(r->solids, SSFR_MAX_PARTS, &n));
-    SSFR_TRY(ssfr_alloc(&r->d.bodies, (size_t)n, sizeof *r->d.bodies, "solids"));
-    r->d.n_bodies = n;
-    for (int i = 0; i < n; i++) {
+    int n_drawn = 0;
+    SSFR_TRY(ssfr_reading_make(r->solids, SSFR_YAML_MAP, sizeof *r->d.bodies, &r->d.bodies, &r->d.n_bodies));
+    for (int i = 0; i < r->d.n_bodies; i++) {
         SSFR_TRY(read_body(r, r->solids->values[i], &r->d.bodies[i]));
         n_drawn += !r->d.bodies[i].hidden;
         if (n_drawn > SSFR_MAX_SOLIDS)

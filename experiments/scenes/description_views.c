@@ -3,14 +3,14 @@
 #include "experiments/scenes/description_read.h"
 
 static const double default_fov_deg = 45;
-static const double min_fov_deg = 0.001, max_fov_deg = 179;
 static const double nearest = 1e-6;  /* m, that an eye must keep from its target */
 static const double steepest = 1e-6; /* the sine of the least angle between the view and up */
 
-enum { MAX_VIEWS = 64, N_CHANNELS = 7 }; /* eye, target, fov_deg */
+enum { N_CHANNELS = 7 }; /* eye, target, fov_deg */
 
-#define PLACE .unit = "m", .min = -SSFR_MAX_LENGTH, .max = SSFR_MAX_LENGTH
-#define FOV .unit = "deg", .min = min_fov_deg, .max = max_fov_deg
+#define MIN_FOV_DEG 0.001
+#define MAX_FOV_DEG 179
+#define FOV .unit = "deg", .min = MIN_FOV_DEG, .max = MAX_FOV_DEG
 
 ssfr_view_key ssfr_view_at(const ssfr_view *view, double time)
 {
@@ -32,10 +32,9 @@ typedef struct entry { /* a camera as it is written: what its keys do not say, i
 static ssfr_result read_key(const ssfr_yaml_node *node, ssfr_view_key *key)
 {
     static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("time", ssfr_yaml_read_real, ssfr_view_key, time, .needed = true, .unit = "s", .min = 0,
-                      .max = SSFR_MAX_TIME),
-        SSFR_YAML_ROW("eye", ssfr_yaml_read_real3, ssfr_view_key, eye, PLACE),
-        SSFR_YAML_ROW("target", ssfr_yaml_read_real3, ssfr_view_key, target, PLACE),
+        SSFR_YAML_ROW("time", ssfr_yaml_read_real, ssfr_view_key, time, .needed = true, SSFR_RANGE_TIME),
+        SSFR_YAML_ROW("eye", ssfr_yaml_read_real3, ssfr_view_key, eye, SSFR_RANGE_PLACE),
+        SSFR_YAML_ROW("target", ssfr_yaml_read_real3, ssfr_view_key, target, SSFR_RANGE_PLACE),
         SSFR_YAML_ROW("fov_deg", ssfr_yaml_read_real, ssfr_view_key, fov_deg, FOV),
         SSFR_YAML_ROW_END,
     };
@@ -45,11 +44,7 @@ static ssfr_result read_key(const ssfr_yaml_node *node, ssfr_view_key *key)
 static ssfr_result read_keys(const ssfr_yaml_node *node, const ssfr_view_key *base, ssfr_view *view)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_LIST));
-    if (node->n == 0 || node->n > SSFR_MAX_PARTS)
-        return ssfr_yaml_fail(node, SSFR_ERR_VALUE, "keys: %zu of them, expected 1 to %d", node->n, SSFR_MAX_PARTS);
-    SSFR_TRY(ssfr_alloc(&view->keys, node->n, sizeof *view->keys, "a camera"));
-    view->n_keys = (int)node->n;
+    SSFR_TRY(ssfr_reading_make(node, SSFR_YAML_LIST, sizeof *view->keys, &view->keys, &view->n_keys));
     for (size_t i = 0; i < node->n; i++) {
         view->keys[i] = *base;
         SSFR_TRY(read_key(node->values[i], &view->keys[i]));
@@ -95,7 +90,7 @@ static const char *find_fault(const ssfr_view *view, const ssfr_view_key *key)
     if (!(ssfr_normalize(along) > nearest)) return "the eye is at its target";
     ssfr_cross(along, view->up, across);
     if (!(ssfr_dot(across, across) > ssfr_square(steepest))) return "the view is along up";
-    if (!(key->fov_deg >= min_fov_deg && key->fov_deg <= max_fov_deg)) return "the field of view has no sensible angle";
+    if (!(key->fov_deg >= MIN_FOV_DEG && key->fov_deg <= MAX_FOV_DEG)) return "the field of view has no sensible angle";
     return NULL;
 }
 
@@ -119,8 +114,8 @@ static ssfr_result check_view(const ssfr_reading *r, const ssfr_yaml_node *node,
 static ssfr_result read_view(const ssfr_reading *r, const ssfr_yaml_node *node, ssfr_view *view)
 {
     static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("eye", ssfr_yaml_read_real3, entry, key.eye, PLACE),
-        SSFR_YAML_ROW("target", ssfr_yaml_read_real3, entry, key.target, PLACE),
+        SSFR_YAML_ROW("eye", ssfr_yaml_read_real3, entry, key.eye, SSFR_RANGE_PLACE),
+        SSFR_YAML_ROW("target", ssfr_yaml_read_real3, entry, key.target, SSFR_RANGE_PLACE),
         SSFR_YAML_ROW("up", ssfr_reading_direction, entry, up),
         SSFR_YAML_ROW("fov_deg", ssfr_yaml_read_real, entry, key.fov_deg, FOV),
         SSFR_YAML_ROW("keys", ssfr_yaml_read_node, entry, keys),
@@ -128,7 +123,7 @@ static ssfr_result read_view(const ssfr_reading *r, const ssfr_yaml_node *node, 
     };
     ssfr_result result = SSFR_OK;
     entry e = {.key = {.eye = {NAN}, .target = {NAN}, .fov_deg = default_fov_deg}, .up = {0, 1, 0}};
-    SSFR_TRY(ssfr_reading_copy(&view->name, "", node->name));
+    SSFR_TRY(ssfr_yaml_copy(&view->name, "", node->name));
     SSFR_TRY(ssfr_yaml_read_map(node, rows, &e));
     memcpy(view->up, e.up, sizeof view->up);
     if (e.keys) {
@@ -149,11 +144,8 @@ end:
 ssfr_result ssfr_reading_views(ssfr_reading *r)
 {
     ssfr_result result = SSFR_OK;
-    int n = 0;
-    SSFR_TRY(ssfr_reading_count(r->cameras, MAX_VIEWS, &n));
-    SSFR_TRY(ssfr_alloc(&r->d.views, (size_t)n, sizeof *r->d.views, "cameras"));
-    r->d.n_views = n;
-    for (int i = 0; i < n; i++) SSFR_TRY(read_view(r, r->cameras->values[i], &r->d.views[i]));
+    SSFR_TRY(ssfr_reading_make(r->cameras, SSFR_YAML_MAP, sizeof *r->d.views, &r->d.views, &r->d.n_views));
+    for (int i = 0; i < r->d.n_views; i++) SSFR_TRY(read_view(r, r->cameras->values[i], &r->d.views[i]));
 end:
     return result;
 }
