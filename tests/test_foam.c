@@ -621,24 +621,22 @@ static void foam_moves_with_a_uniform_flow(void **state)
     drain(&w);
 }
 
-/* v_n = v_T (1 - (1 - k_d)^n) with v_T = k_b g dt / k_d is the scheme's solution in still water. */
-static void a_bubble_rises_with_its_terminal_velocity(void **state)
+/* v_n = v_T (1 - (1 - k_d)^n) is the scheme's solution in still water, where v_T = k_b g dt / k_d. */
+static void check_bubble(double bubble_step, double k_d, double terminal, double drag)
 {
-    (void)state;
     const double lo[3] = {-6 * S, -6 * S, -6 * S};
     ssfr_foam_params p = defaults();
-    p.buoyancy = 1.7, p.drag = 0.3;
+    p.buoyancy = 1.7, p.drag = k_d, p.bubble_step = bubble_step;
     water *w = pour(R);
     put_lattice(w, lo, 12, 12, 12, weightless);
     ssfr_foam *foam = make(&p, down, 1);
     add(foam, weightless, weightless, 1);
     still(w);
-    const double terminal = 1.7 * 9.81 * DT / 0.3;
     double y = 0;
-    for (int n = 1; n <= 60; n++) {
+    for (int n = 1; n <= 40; n++) {
         step(foam, &w->fluid, DT);
         const seen s = see_only(foam);
-        const double v = terminal * (1 - pow(0.7, n));
+        const double v = terminal * (1 - pow(1 - drag, n));
         y += DT * v;
         assert_int_equal(s.kind, SSFR_BUBBLE);
         assert_close(s.velocity[1], v, 1e-7, 1e-6);
@@ -647,6 +645,45 @@ static void a_bubble_rises_with_its_terminal_velocity(void **state)
     }
     ssfr_foam_destroy(&foam);
     drain(&w);
+}
+
+static void a_bubble_rises_with_its_terminal_velocity(void **state)
+{
+    (void)state;
+    check_bubble(0, 0.3, 1.7 * 9.81 * DT / 0.3, 0.3); /* the paper's, in every step */
+    check_bubble(DT, 0.3, 1.7 * 9.81 * DT / 0.3, 0.3);
+    check_bubble(3 * DT, 0.3, 1.7 * 9.81 * 3 * DT / 0.3, 1 - cbrt(0.7));
+}
+
+/* How fast a bubble is after 0.12 s, which are n steps. */
+static double speed_in_steps(int n, double bubble_step, double drag)
+{
+    const double lo[3] = {-6 * S, -6 * S, -6 * S};
+    ssfr_foam_params p = defaults();
+    p.bubble_step = bubble_step, p.drag = drag;
+    water *w = pour(R);
+    put_lattice(w, lo, 12, 12, 12, weightless);
+    ssfr_foam *foam = make(&p, down, 1);
+    add(foam, (double[3]){0, -2 * S, 0}, weightless, 1);
+    still(w);
+    for (int i = 0; i < n; i++) step(foam, &w->fluid, 0.12 / n);
+    const seen s = see_only(foam);
+    assert_int_equal(s.kind, SSFR_BUBBLE);
+    ssfr_foam_destroy(&foam);
+    drain(&w);
+    return s.velocity[1];
+}
+
+static void a_bubble_is_as_fast_in_steps_of_any_length(void **state)
+{
+    (void)state;
+    const double paper = speed_in_steps(6, 0, 0.2); /* of 0.02 s */
+    assert_close(paper, 2 * 9.81 * 0.02 / 0.2 * (1 - pow(0.8, 6)), 0, 1e-6);
+    assert_close(speed_in_steps(6, 0.02, 0.2), paper, 0, 1e-6);
+    assert_close(speed_in_steps(48, 0.02, 0.2), paper, 0, 1e-6);
+    assert_true(speed_in_steps(48, 0, 0.2) < 0.2 * paper); /* otherwise it goes with the step */
+    assert_close(speed_in_steps(24, 0.02, 0), 2 * 9.81 * 0.12, 0, 1e-6);
+    assert_close(speed_in_steps(24, 0.02, 1), 2 * 9.81 * 0.02, 0, 1e-6);
 }
 
 static void only_foam_ages_and_it_ends_with_its_lifetime(void **state)
@@ -1165,7 +1202,7 @@ static void rows_have_units_and_defaults_that_hold_to_them(void **state)
     assert_true(p.trapped_air_min == 5 && p.wave_crest_max == 8 && p.spray_below == 6 && p.bubbles_above == 20);
     int n = 0;
     for (const ssfr_param *row = ssfr_foam_rows; row->name; row++, n++) assert_true(row->unit[0] && row->help[0]);
-    assert_int_equal(n, 15);
+    assert_int_equal(n, 16);
 }
 
 /* ---- the data of SPlisHSPlasH ------------------------------------------------------------------------------------ */
@@ -1288,6 +1325,7 @@ int main(void)
         cmocka_unit_test(foam_moves_with_the_average_of_the_flow),
         cmocka_unit_test(foam_moves_with_a_uniform_flow),
         cmocka_unit_test(a_bubble_rises_with_its_terminal_velocity),
+        cmocka_unit_test(a_bubble_is_as_fast_in_steps_of_any_length),
         cmocka_unit_test(only_foam_ages_and_it_ends_with_its_lifetime),
         cmocka_unit_test(nothing_leaves_through_a_wall),
         cmocka_unit_test(births_do_not_end_up_in_solids),

@@ -32,8 +32,10 @@ const ssfr_param ssfr_foam_rows[] = {
     REAL(lifetime_max, "s", 5, 1e6, "of foam born of full potentials: its lifetime rises with I_k max(I_ta, I_wc)"),
     WHOLE(spray_below, 6, 1000, "with fewer fluid neighbours it is spray"),
     WHOLE(bubbles_above, 20, 1000, "with more it is a bubble, between them foam"),
-    REAL(buoyancy, "g", 2, 1000, "k_b of bubbles: v += -k_b g dt + k_d (v_fluid - v); they rise at k_b g dt / k_d"),
-    REAL(drag, "1", 0.8, 1, "k_d of bubbles, of every step"),
+    REAL(buoyancy, "g", 2, 1000, "k_b of bubbles: v += -k_b g dt + k_d (v_fluid - v)"),
+    REAL(drag, "1", 0.8, 1, "k_d of bubbles; they come to rise at k_b g dt / k_d"),
+    REAL(bubble_step, "s", 0.02, 10,
+         "dt of these two: so long later a bubble is as fast as after one step of it, in however many; 0: every step"),
     WHOLE(max_particles, 2000000, 2e9, "where they find no room, fewer are emitted; 0: no limit"),
     SSFR_PARAM_END};
 #undef REAL
@@ -226,32 +228,49 @@ static ssfr_kind classify(const ssfr_foam_params *p, const ssfr_walls *walls, in
     return n_neighbours / ssfr_walls_free(walls, at) > p->bubbles_above ? SSFR_BUBBLE : SSFR_FOAM;
 }
 
-/* The velocity that a particle moves with in this step. */
-static void accelerate(const ssfr_foam *foam, ssfr_kind kind, const ssfr_foam_average *around, double dt, double v[3])
+/* What is the same for all particles in a step. */
+typedef struct pace {
+    double dt;   /* s */
+    double drag; /* of the difference to the fluid's velocity, which a bubble loses */
+    double lift; /* s, by which buoyancy accelerates it */
+} pace;
+
+/* The paper steps from frame to frame, and its bubbles rise with a velocity that goes with the step. In a part of
+ * bubble_step, T, they go the part of the way that dt / T steps would: v - v_T shrinks by (1 - k_d)^(dt / T) and
+ * v_T = -k_b g T / k_d stays. */
+static pace find_pace(const ssfr_foam_params *p, double dt)
 {
-    const ssfr_foam_params *p = &foam->params;
+    const double drag = p->bubble_step > 0 ? 1 - pow(1 - p->drag, dt / p->bubble_step) : p->drag;
+    const double lift = p->bubble_step > 0 && p->drag > 0 ? p->bubble_step * drag / p->drag : dt;
+    return (pace){dt, drag, lift};
+}
+
+/* The velocity that a particle moves with in this step. */
+static void accelerate(const ssfr_foam *foam, ssfr_kind kind, const ssfr_foam_average *around, const pace *pace,
+                       double v[3])
+{
     for (int k = 0; k < 3; k++) {
         const double g = foam->gravity[k];
         const double fluid = around->weight > 0 ? (double)(around->momentum[k] / around->weight) : v[k];
         switch (kind) {
-        case SSFR_SPRAY: v[k] += dt * g; break;
+        case SSFR_SPRAY: v[k] += pace->dt * g; break;
         case SSFR_FOAM: v[k] = fluid; break;
-        case SSFR_BUBBLE: v[k] += -dt * p->buoyancy * g + p->drag * (fluid - v[k]); break;
+        case SSFR_BUBBLE: v[k] += -pace->lift * foam->params.buoyancy * g + pace->drag * (fluid - v[k]); break;
         }
     }
 }
 
-static void move(ssfr_foam *foam, const ssfr_walls *walls, size_t i)
+static void move(ssfr_foam *foam, const ssfr_walls *walls, const pace *pace, size_t i)
 {
     double from[3], at[3], v[3];
     for (size_t k = 0; k < 3; k++) from[k] = foam->position[3 * i + k], v[k] = (double)foam->velocity[3 * i + k];
     const ssfr_foam_average around = ssfr_foam_flow_average(&foam->flow, from);
     const ssfr_kind kind = classify(&foam->params, walls, around.n, from);
-    accelerate(foam, kind, &around, walls->dt, v);
-    for (int k = 0; k < 3; k++) at[k] = from[k] + walls->dt * v[k];
+    accelerate(foam, kind, &around, pace, v);
+    for (int k = 0; k < 3; k++) at[k] = from[k] + pace->dt * v[k];
     ssfr_walls_keep(walls, from, at, v);
     for (size_t k = 0; k < 3; k++) foam->position[3 * i + k] = at[k], foam->velocity[3 * i + k] = (float)v[k];
-    if (kind == SSFR_FOAM) foam->lifetime[i] -= (float)walls->dt;
+    if (kind == SSFR_FOAM) foam->lifetime[i] -= (float)pace->dt;
     const bool dead = (kind == SSFR_FOAM && foam->lifetime[i] <= 0) || ssfr_domain_leaves(&foam->domain, at);
     foam->kind[i] = dead ? DEAD : (uint8_t)kind;
 }
@@ -418,6 +437,7 @@ ssfr_result ssfr_foam_step(ssfr_foam *foam, const ssfr_fluid *fluid, double dt, 
 {
     ssfr_result result = SSFR_OK;
     const double support = SSFR_SUPPORT * fluid->radius;
+    const pace pace = find_pace(&foam->params, dt);
     ssfr_walls walls;
     if (!(dt >= 0 && isfinite(dt)))
         return ssfr_fail(SSFR_ERR_VALUE, "time step of foam: %g s: expected one from 0", dt);
@@ -425,7 +445,7 @@ ssfr_result ssfr_foam_step(ssfr_foam *foam, const ssfr_fluid *fluid, double dt, 
     if (dt == 0) goto end;
     SSFR_TRY(ssfr_foam_flow_sort(&foam->flow, fluid));
 #pragma omp parallel for schedule(dynamic, 256)
-    for (size_t i = 0; i < foam->n; i++) move(foam, &walls, i);
+    for (size_t i = 0; i < foam->n; i++) move(foam, &walls, &pace, i);
     sweep(foam);
     SSFR_TRY(emit(foam, fluid, &walls));
     foam->steps++;

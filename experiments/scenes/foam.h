@@ -19,6 +19,7 @@ typedef struct ssfr_foam_params {
     int bubbles_above;         /* more are bubbles; between is foam */
     double buoyancy;           /* k_b, of bubbles, in gravities */
     double drag;               /* k_d, of bubbles, [0, 1] */
+    double bubble_step;        /* s, the step that k_b and k_d are meant for; 0: every step */
     int max_particles;         /* 0: no limit */
 } ssfr_foam_params;
 
