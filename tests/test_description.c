@@ -161,11 +161,13 @@ static void quick_has_fewer_and_larger_particles(void **state)
     assert_int_equal(d->n_frames, 101);
     ssfr_description_destroy(&d);
     d = describe("title: t\nradius: 0.05\nparticles: 25\nduration: 0\ndomain: {lo: [-4, -4, -4], hi: [4, 4, 4]}\n"
-                 "fluid: {a: {lo: [0, 0, 0], hi: [1, 1, 1], count: 3}, b: {lo: [1, 0, 0], hi: [2, 1, 1], count: 22}}\n",
+                 "fluid: {a: {lo: [0, 0, 0], hi: [1, 1, 1], count: 3}, b: {lo: [1, 0, 0], hi: [2, 1, 1], count: 22}}\n"
+                 "foam: {max_particles: 100}\n",
                  SSFR_SCALE_QUICK);
     assert_int_equal(d->solver.max_particles, 2); /* 1.56 */
     assert_int_equal(d->pools[0].count, 1);       /* 0.19, but not none */
     assert_int_equal(d->pools[1].count, 1);       /* 1.38 */
+    assert_int_equal(d->foam.max_particles, 6);
     ssfr_description_destroy(&d);
 }
 

@@ -212,6 +212,8 @@ static void apply_scale(ssfr_reading *r)
     r->d.solver.radius *= quick ? cbrt(SSFR_QUICK_SHARE) : 1;
     r->d.solver.max_particles = quick ? (r->particles + SSFR_QUICK_SHARE / 2) / SSFR_QUICK_SHARE : r->particles;
     if (r->d.solver.max_particles == 0) r->d.solver.max_particles = 1;
+    if (quick && r->d.foam.max_particles > 0) /* 0 means no limit */
+        r->d.foam.max_particles = ssfr_max_int(r->d.foam.max_particles / SSFR_QUICK_SHARE, 1);
 }
 
 static void set_defaults(ssfr_reading *r)
