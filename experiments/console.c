@@ -42,9 +42,11 @@ void ssfr_console_level(ssfr_level level)
 void ssfr_console_progress(const char *what, size_t done, size_t total)
 {
     static double begun, drawn;
+    static bool running;
     const double now = ssfr_clock();
     if (shown < SSFR_WARNING || !isatty(STDERR_FILENO)) return;
-    if (done == 0) begun = now;
+    if (done == 0 && !running) begun = now; /* told again and again, until the first is done */
+    running = done < total;
     if (done >= total) {
         remove_bar();
     } else if (now - drawn >= bar_period) {

@@ -457,22 +457,39 @@ static void a_full_disk_leaves_the_frames_before(void **state)
     ssfr_description_destroy(&d);
 }
 
-/* The emitter opens in the second frame: then a particle is faster than any step may follow. */
+/* A step of the fastest particle takes 1 ns. */
 static void what_blows_up_names_frame_and_particle_and_leaves_the_frames_before(void **state)
 {
     (void)state;
     static const char fast[] =
-        "title: Too fast\nradius: 0.001\nparticles: 100\nduration: 0.1\nframe_rate: 50\n"
+        "title: Too fast\nradius: 0.001\nparticles: 100\nduration: 0.1\nframe_rate: 50\nsolver: {cfl: 0.01}\n"
         "domain: {lo: [0, 0, 0], hi: [0.4, 0.4, 0.4]}\n"
-        "emitters: {gun: {centre: [0.1, 0.1, 0.1], direction: [1, 0, 0], radius: 0.001, speed: 10000, start: 0.03}}\n";
+        "fluid: {bullet: {lo: [0, 0, 0], hi: [0.002, 0.002, 0.002], velocity: [10000, 0, 0]}}\n";
     ssfr_description *d = parse(fast);
     const char *cache = new_cache();
     char *folder = folder_of(d, cache, 1);
     for (int i = 0; i < 2; i++) { /* once more from the state that was left */
-        assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), "a/b c.yaml, frame 2: particle ");
-        assert_non_null(strstr(test_last_error(), "m/s: steps of "));
-        assert_int_equal(ssfr_make_count(folder), 2);
+        assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), 
+                     "a/b c.yaml, frame 1: particle 0 of 1 has a velocity of (10000, 0, 0) m/s: steps of 1e-09 s");
+        assert_int_equal(ssfr_make_count(folder), 1);
     }
+    free(folder);
+    remove_all(cache);
+    ssfr_description_destroy(&d);
+}
+
+static void an_emitter_that_is_too_fast_is_found_out_when_it_opens(void **state)
+{
+    (void)state;
+    static const char gun[] =
+        "title: Too fast\nradius: 0.001\nparticles: 100\nduration: 0.1\nframe_rate: 50\nsolver: {cfl: 0.01}\n"
+        "domain: {lo: [0, 0, 0], hi: [0.4, 0.4, 0.4]}\n"
+        "emitters: {gun: {centre: [0.1, 0.1, 0.1], direction: [1, 0, 0], radius: 0.001, speed: 10000, start: 0.03}}\n";
+    ssfr_description *d = parse(gun);
+    const char *cache = new_cache();
+    char *folder = folder_of(d, cache, 1);
+    assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), "a/b c.yaml, frame 2: an emitter is so fast");
+    assert_int_equal(ssfr_make_count(folder), 2);
     free(folder);
     remove_all(cache);
     ssfr_description_destroy(&d);
@@ -498,6 +515,7 @@ int main(void)
         cmocka_unit_test(a_cache_that_cannot_be_made_is_one_line),
         cmocka_unit_test(a_full_disk_leaves_the_frames_before),
         cmocka_unit_test(what_blows_up_names_frame_and_particle_and_leaves_the_frames_before),
+        cmocka_unit_test(an_emitter_that_is_too_fast_is_found_out_when_it_opens),
     };
     return cmocka_run_group_tests(tests, test_capture_log, remove_reference);
 }

@@ -60,6 +60,9 @@ cp out list
 for scene in $(sed -n 's|^\([a-z0-9_/]*\)	[0-9]*	[0-9]*	[0-9]*	.*|\1|p' list); do
     accepts "$scene is described" scene info "$scene"
 done
+refuses 'a name that two scenes end in' 'wave: there are akinci2013/wave and imai2016/wave' scene info wave
+accepts 'a name that one scene ends in' scene info waterfall
+that 'is that scene' grep -q '^scene		bagar2010/waterfall$' out
 refuses 'a scene that is none' 'dam_braek: no such file, and not a built-in scene (splash, ' scene make dam_braek
 refuses 'a scene file that is not there' 'none.yaml: no such file' render none.yaml -o a.png $small
 refuses 'a shape cannot be made' 'block: there is nothing to simulate' scene make block

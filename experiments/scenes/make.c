@@ -383,11 +383,11 @@ static ssfr_result make_frames(making *m)
     const size_t total = m->last < first ? 0 : (size_t)(m->last - first) + 1;
     m->begun = ssfr_clock();
     for (int frame = first; frame <= m->last; frame++) {
-        snprintf(m->about, sizeof m->about, "%.128s, frame %d", m->d->name, frame);
+        snprintf(m->about, sizeof m->about, frame < 0 ? "%.128s, at rest" : "%.128s, frame %d", m->d->name, frame);
         ssfr_log_about(m->about);
         ssfr_console_progress(m->d->name, (size_t)(frame - first), total);
         SSFR_TRY(ssfr_simulation_advance(m->simulation));
-        SSFR_TRY(save_frame(m));
+        SSFR_TRY(frame < 0 ? save_state(m) : save_frame(m));
     }
 end:
     ssfr_log_about(NULL);

@@ -49,7 +49,7 @@ ssfr_result ssfr_simulation_create(ssfr_simulation **out, const ssfr_description
     SSFR_TRY(ssfr_alloc(&s, 1, sizeof *s, "a simulation"));
     s->d = d;
     s->seed = seed;
-    s->frame = -1;
+    s->frame = -1 - (int)ceil(d->rest_time * d->frame_rate - 1e-9);
     s->time = -d->rest_time;
     s->spacing = 2 * d->solver.radius * cbrt(SSFR_VOLUME_SHARE);
     SSFR_TRY(ssfr_alloc(&s->obstacles, (size_t)d->n_bodies, sizeof *s->obstacles, "obstacles"));
@@ -243,11 +243,25 @@ static ssfr_result fail_blown_up(const ssfr_simulation *s, double limit)
                      i, fluid.n, (double)v[0], (double)v[1], (double)v[2], limit);
 }
 
+/* Of emitters that are open until `to`: what leaves them must not go farther in a step than other particles may. */
+static double emitters_limit(const ssfr_simulation *s, double to)
+{
+    double fastest = 0;
+    for (int i = 0; i < s->d->n_emitters; i++) {
+        const ssfr_emitter *e = &s->d->emitters[i];
+        if (e->start < to && e->stop > s->time) fastest = fmax(fastest, e->speed);
+    }
+    return s->d->solver.params.cfl * s->d->solver.radius / fmax(fastest, 1e-300);
+}
+
 /* As long as allowed, and so that the last step before `end` is no shorter than the others. */
 static ssfr_result choose_step(const ssfr_simulation *s, double end, double *dt)
 {
-    const double left = end - s->time, limit = ssfr_solver_limit(s->solver), n = ceil(left / limit);
-    if (!(n <= max_steps)) return fail_blown_up(s, limit);
+    const double left = end - s->time, fluid = ssfr_solver_limit(s->solver);
+    const double limit = fmin(fluid, emitters_limit(s, s->time + fmin(fluid, left))), n = ceil(left / limit);
+    if (!(fluid > left / max_steps)) return fail_blown_up(s, fluid);
+    if (!(n <= max_steps))
+        return ssfr_fail(SSFR_ERR_VALUE, "an emitter is so fast that steps of %g s would be needed", limit);
     *dt = left / n;
     return SSFR_OK;
 }
@@ -276,7 +290,7 @@ ssfr_result ssfr_simulation_advance(ssfr_simulation *simulation)
 {
     ssfr_result result = SSFR_OK;
     ssfr_simulation *s = simulation;
-    const double end = (s->frame + 1) / s->d->frame_rate;
+    const double end = fmax((s->frame + 1) / s->d->frame_rate, -s->d->rest_time);
     while (s->time < end) {
         if (ssfr_interrupt_came()) {
             result = ssfr_fail(SSFR_ERR_IO, "interrupted; the frames before it stay");
