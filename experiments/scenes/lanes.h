@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 #ifdef __SSE__
 #include <xmmintrin.h>
 #endif
@@ -18,6 +19,23 @@ typedef int32_t ssfr_lanes_mask __attribute__((vector_size(4 * SSFR_LANES))); /*
 static inline ssfr_lanes ssfr_lanes_all(float v)
 {
     return (ssfr_lanes){v, v, v, v};
+}
+
+static inline ssfr_lanes ssfr_lanes_load(const float *from)
+{
+    ssfr_lanes a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+
+/* Bit l is set where lane l is. */
+static inline unsigned ssfr_lanes_bits(ssfr_lanes_mask mask)
+{
+#ifdef __SSE__
+    return (unsigned)_mm_movemask_ps((__m128)mask);
+#else
+    return (mask[0] & 1u) | (mask[1] & 2u) | (mask[2] & 4u) | (mask[3] & 8u);
+#endif
 }
 
 static inline ssfr_lanes ssfr_lanes_sqrt(ssfr_lanes a)

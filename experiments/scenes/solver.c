@@ -7,18 +7,21 @@
 /* Particles at one place know no direction to part in: they are moved by this, in radii. */
 #define JITTER 1e-3
 
+#define FORGETTING 0.1 /* s, long against steps and short against what one sees */
+
 typedef ssfr_solver_params params;
 
 const ssfr_param ssfr_solver_rows[] = {
     SSFR_PARAM_REAL(params, max_step, "s", 1.0 / 120, 1e-6, 1, "longest step"),
-    SSFR_PARAM_REAL(params, cfl, "1", 1, 0.01, 100, "radii that the fastest particle may move in a step"),
+    SSFR_PARAM_REAL(params, cfl, "1", 0.6, 0.01, 100,
+                    "radii that the fastest particle, or a wave on fluid of this depth, may move in a step"),
     SSFR_PARAM_INT(params, iterations, "1", 4, 1, 1000, "of the density constraint, a step"),
     SSFR_PARAM_REAL(params, relaxation, "1", 1, 0, 1000,
                     "epsilon of eq. 11, in units of the constraint's squared gradients at rest"),
     SSFR_PARAM_REAL(params, pressure_k, "1", 0, 0, 1, "k of the artificial pressure, eq. 13"),
     SSFR_PARAM_REAL(params, pressure_dq, "1", 0.2, 0, 0.9, "|delta q| of eq. 13, in supports"),
     SSFR_PARAM_INT(params, pressure_n, "1", 4, 1, 16, "n of eq. 13"),
-    SSFR_PARAM_REAL(params, viscosity, "1", 0.01, 0, 1, "c of XSPH, eq. 17, in a step of max_step"),
+    SSFR_PARAM_REAL(params, viscosity, "1", 0.02, 0, 1, "c of XSPH, eq. 17, in a step of max_step"),
     SSFR_PARAM_REAL(params, vorticity, "m/s", 0, 0, 100, "epsilon of vorticity confinement, eq. 16"),
     SSFR_PARAM_END,
 };
@@ -43,18 +46,32 @@ static ssfr_result check_setup(const ssfr_solver_setup *s)
     return SSFR_OK;
 }
 
-/* The sum of the squared gradients of a constraint whose particle stands in a cubic lattice at the rest density. */
-static double gradients_at_rest(const ssfr_kernel *kernel, double spacing)
+/* What the sums over neighbours give in the cubic lattice that pools and emitters are filled with: its density is what
+ * the constraint asks for, so that nothing jumps apart when it is let go. A wall's surface stands where it takes the
+ * place of the lattice's other half, with particles half a spacing off it. */
+static void measure_rest(ssfr_solver *solver, double spacing)
 {
+    const ssfr_kernel *kernel = &solver->kernel;
     const int reach = (int)((double)kernel->support / spacing);
-    double sum = 0;
+    double density = 0, gradients = 0, behind = 0;
     for (int z = -reach; z <= reach; z++)
         for (int y = -reach; y <= reach; y++)
             for (int x = -reach; x <= reach; x++) {
-                const double r = spacing * sqrt(x * x + y * y + z * z);
-                sum += ssfr_square((double)ssfr_kernel_slope(kernel, ssfr_lanes_all((float)r))[0]);
+                const ssfr_lanes r = ssfr_lanes_all((float)(spacing * sqrt(x * x + y * y + z * z)));
+                density += (double)ssfr_kernel_value(kernel, r)[0];
+                if (y < 0) behind += (double)ssfr_kernel_value(kernel, r)[0];
+                if (x || y || z) gradients += ssfr_square((double)ssfr_kernel_slope(kernel, r)[0]);
             }
-    return sum - ssfr_square((double)ssfr_kernel_slope(kernel, ssfr_lanes_all(0))[0]);
+    solver->rest = (float)density;
+    solver->gradients = (float)(gradients / ssfr_square(density));
+    solver->closest = 0.5 * spacing;
+    double low = 0, high = 1; /* supports, between which the integral falls below what is lacking */
+    while (high - low > 1e-7) {
+        const double middle = 0.5 * (low + high);
+        float slope;
+        *((double)ssfr_kernel_behind((float)middle, &slope) > behind ? &low : &high) = middle;
+    }
+    solver->wall = (float)(high * (double)kernel->support - solver->closest);
 }
 
 ssfr_result ssfr_solver_create(ssfr_solver **out, const ssfr_solver_setup *setup)
@@ -67,8 +84,7 @@ ssfr_result ssfr_solver_create(ssfr_solver **out, const ssfr_solver_setup *setup
     solver->setup = *setup;
     const double volume = ssfr_particle_mass(setup->radius) / SSFR_REST_DENSITY; /* m^3 */
     solver->kernel = ssfr_kernel_make(SSFR_SUPPORT * setup->radius, volume);
-    solver->closest = 0.5 * cbrt(volume);
-    solver->gradients = (float)gradients_at_rest(&solver->kernel, cbrt(volume));
+    measure_rest(solver, cbrt(volume));
     for (int k = 0; k < 3; k++) {
         solver->origin[k] = 0.5 * setup->lo[k] + 0.5 * setup->hi[k];
         solver->lo[k] = setup->lo[k] - solver->origin[k];
@@ -89,6 +105,7 @@ void ssfr_solver_destroy(ssfr_solver **solver)
     ssfr_solver *s = *solver;
     if (s) {
         free(s->x), free(s->at), free(s->from), free(s->moved), free(s->v);
+        for (int k = 0; k < 3; k++) free(s->axes[k]);
         free(s->labels), free(s->spare_labels);
         free(s->position), free(s->velocity), free(s->density), free(s->neighbours);
         free(s->list_begin), free(s->list_end), free(s->listed);
@@ -101,6 +118,21 @@ void ssfr_solver_destroy(ssfr_solver **solver)
 
 /* ---- the step ----------------------------------------------------------------------------------------------------- */
 
+/* Speed of the longest waves on the fluid, sqrt(|g| depth), m/s. The depth is taken from where the fluid is on average:
+ * for a pool at rest it is exact, and what is in the air only makes it larger. */
+static double wave_speed(const ssfr_solver *solver)
+{
+    const double *g = solver->setup.gravity, size = sqrt(ssfr_dot(g, g));
+    double sum = 0, lowest = INFINITY; /* heights times |g|, m^2/s^2 */
+    for (size_t i = 0; i < solver->n; i++) { /* by one thread: sums in another order have other bits */
+        const ssfr_lanes x = solver->x[i];
+        const double height = -(g[0] * (double)x[0] + g[1] * (double)x[1] + g[2] * (double)x[2]);
+        sum += height;
+        lowest = fmin(lowest, height);
+    }
+    return solver->n && size > 0 ? sqrt(2 * fmax(sum / (double)solver->n - lowest, 0)) : 0;
+}
+
 double ssfr_solver_limit(const ssfr_solver *solver)
 {
     const ssfr_solver_params *p = &solver->setup.params;
@@ -111,7 +143,17 @@ double ssfr_solver_limit(const ssfr_solver *solver)
         const double square = (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] + (double)v[2] * (double)v[2];
         fastest = square > fastest ? square : fastest;
     }
-    return fmin(p->max_step, p->cfl * solver->setup.radius / fmax(sqrt(fastest), 1e-300));
+    const double speed = fmax(sqrt(fastest), wave_speed(solver));
+    return fmin(p->max_step, p->cfl * solver->setup.radius / fmax(speed, 1e-300));
+}
+
+/* What a few iterations leave of the constraint's error at rest grows with dt^2. A shorter step after longer ones would
+ * throw out at once what those had left, at a speed of error over dt. So multipliers are scaled as if the step were
+ * as long as those before it, whose length is forgotten slowly. */
+static void soften(ssfr_solver *solver, double dt)
+{
+    solver->felt_step = fmax(dt, solver->felt_step * exp(-dt / FORGETTING));
+    solver->stiffness = (float)ssfr_square(dt / solver->felt_step);
 }
 
 /* x* - x = dt (v + dt g): algorithm 1, lines 2 and 3. */
@@ -119,8 +161,8 @@ static void predict(ssfr_solver *solver, double dt)
 {
     const double *g = solver->setup.gravity;
     const ssfr_lanes change = {(float)(g[0] * dt), (float)(g[1] * dt), (float)(g[2] * dt), 0};
+#pragma omp parallel for schedule(static)
     for (size_t i = 0; i < solver->n; i++) {
-        solver->v[i][3] = 0;
         solver->moved[i] = (solver->v[i] + change) * (float)dt;
     }
 }
@@ -147,22 +189,37 @@ static void begin_iterations(ssfr_solver *solver)
     }
 }
 
-/* v = (x* - x) / dt: algorithm 1, lines 21 and 23. */
-static ssfr_result arrive(ssfr_solver *solver, double dt)
+static bool is_finite(const ssfr_solver *solver, size_t i)
+{
+    float sum = 0;
+    for (int k = 0; k < 3; k++) sum += 0 * solver->v[i][k] + 0 * solver->x[i][k];
+    return sum == 0;
+}
+
+/* The error line for the first-born of the particles that went wrong: which one that is depends on no order. */
+static ssfr_result refuse_nonfinite(const ssfr_solver *solver)
 {
     size_t bad = solver->n;
+    for (size_t i = 0; i < solver->n; i++)
+        if (!is_finite(solver, i) && (bad == solver->n || solver->labels[i].id < solver->labels[bad].id)) bad = i;
+    const ssfr_lanes x = solver->x[bad], v = solver->v[bad];
+    return ssfr_fail(SSFR_ERR_VALUE, "particle %u after %g s: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s",
+                     solver->labels[bad].id, solver->time, solver->origin[0] + (double)x[0],
+                     solver->origin[1] + (double)x[1], solver->origin[2] + (double)x[2], (double)v[0], (double)v[1],
+                     (double)v[2]);
+}
+
+/* v = (x* - x) / dt, x = x*: algorithm 1, lines 21 and 23. */
+static ssfr_result arrive(ssfr_solver *solver, double dt)
+{
+    bool finite = true;
+#pragma omp parallel for schedule(static) reduction(&& : finite)
     for (size_t i = 0; i < solver->n; i++) {
         solver->v[i] = solver->moved[i] / (float)dt;
         solver->x[i] += solver->moved[i];
-        float sum = 0; /* not finite when one of them is not */
-        for (int k = 0; k < 3; k++) sum += 0 * solver->v[i][k] + 0 * solver->x[i][k];
-        if (!(sum == 0) && (bad == solver->n || solver->labels[i].id < solver->labels[bad].id)) bad = i;
+        finite = finite && is_finite(solver, i);
     }
-    if (bad == solver->n) return SSFR_OK;
-    const ssfr_lanes x = solver->x[bad], v = solver->v[bad];
-    return ssfr_fail(SSFR_ERR_VALUE, "particle %u: position (%g, %g, %g), velocity (%g, %g, %g) after %g s",
-                     solver->labels[bad].id, (double)x[0], (double)x[1], (double)x[2], (double)v[0], (double)v[1],
-                     (double)v[2], solver->time);
+    return finite ? SSFR_OK : refuse_nonfinite(solver);
 }
 
 ssfr_result ssfr_solver_step(ssfr_solver *solver, double dt, int n_obstacles, const ssfr_obstacle *obstacles)
@@ -173,6 +230,7 @@ ssfr_result ssfr_solver_step(ssfr_solver *solver, double dt, int n_obstacles, co
         return ssfr_fail(SSFR_ERR_VALUE, "solver: %d obstacles, at most %d", n_obstacles, SSFR_MAX_OBSTACLES);
     if (solver->stale) SSFR_TRY(ssfr_solver_arrange(solver));
     if (!(dt > 0)) goto end;
+    soften(solver, dt);
     predict(solver, dt);
     SSFR_TRY(ssfr_solver_find_contacts(solver, n_obstacles, obstacles));
     begin_iterations(solver);

@@ -13,7 +13,7 @@ enum { SSFR_SOLVER_VERSION = 1 };
 
 typedef struct ssfr_solver_params {
     double max_step;      /* s, the longest step */
-    double cfl;           /* radii that the fastest particle may move in a step */
+    double cfl;           /* radii that the fastest particle, or a wave on fluid of this depth, may move in a step */
     int iterations;       /* of the density constraint, a step */
     double relaxation;    /* epsilon of eq. 11, in units of the constraint's gradients at rest */
     double pressure_k;    /* k of the artificial pressure, eq. 13 */

@@ -229,7 +229,7 @@ float ssfr_solver_boundary(const ssfr_solver *solver, size_t i, ssfr_lanes x, fl
     for (int c = 0; c < solver->labels[i].n_contacts; c++) {
         const ssfr_contact *contact = solver->contacts + solver->labels[i].contact_begin + (uint32_t)c;
         const float *n = contact->normal, per_support = solver->kernel.per_support;
-        const float distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] + contact->offset;
+        const float distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] + contact->offset + solver->wall;
         float slope;
         const float behind = ssfr_kernel_behind(distance * per_support, &slope);
         /* d/dx (1 - free (1 - behind)) */

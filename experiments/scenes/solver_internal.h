@@ -42,9 +42,13 @@ struct ssfr_solver {
     double origin[3];   /* m, world: positions are relative to it */
     double lo[3], hi[3]; /* m, relative: the domain */
     ssfr_kernel kernel;
+    float rest;         /* density at rest, in units of the rest density */
     double closest;     /* m, that centres keep from a surface: half the spacing at rest */
+    float wall;         /* m, how far inside a surface its density begins */
     float gradients;    /* 1/m^2, sum of the squared gradients of the constraint at rest */
     double time;        /* s, simulated */
+    double felt_step;   /* s, the step that the constraint's stiffness belongs to */
+    float stiffness;    /* of this step, (0, 1], in that of a lone step of its length */
     uint32_t next_id;
     bool stale;         /* order, lists and densities are not of these positions */
     size_t n, capacity; /* arrays of lanes have one more: a particle out of everyone's reach that fills up lists */
@@ -53,6 +57,7 @@ struct ssfr_solver {
     ssfr_lanes *from;   /* m; what the iteration in progress reads */
     ssfr_lanes *moved;  /* m; from x, in this step */
     ssfr_lanes *v;      /* m/s; fourth lane: size of the vorticity */
+    float *axes[3];     /* m; x once more, axis by axis: neighbours are sought in it */
     ssfr_label *labels, *spare_labels;
     float *position, *velocity, *density; /* for others: 3 n, 3 n, n */
     uint32_t *neighbours;

@@ -26,24 +26,35 @@ static inline ssfr_lanes apart(ssfr_lanes r)
 
 /* ---- lists of neighbours ------------------------------------------------------------------------------------------ */
 
-/* Appends those of a range's particles, but i, that are within the support. Returns the new length. `same` counts
- * particles at i's place, i among them. */
+/* The lanes whose bits are set, in the first places; and how many. */
+static const struct {
+    uint32_t lane[SSFR_LANES], n;
+} packed[1 << SSFR_LANES] = {
+    {{0, 0, 0, 0}, 0}, {{0, 0, 0, 0}, 1}, {{1, 0, 0, 0}, 1}, {{0, 1, 0, 0}, 2},
+    {{2, 0, 0, 0}, 1}, {{0, 2, 0, 0}, 2}, {{1, 2, 0, 0}, 2}, {{0, 1, 2, 0}, 3},
+    {{3, 0, 0, 0}, 1}, {{0, 3, 0, 0}, 2}, {{1, 3, 0, 0}, 2}, {{0, 1, 3, 0}, 3},
+    {{2, 3, 0, 0}, 2}, {{0, 2, 3, 0}, 3}, {{1, 2, 3, 0}, 3}, {{0, 1, 2, 3}, 4},
+};
+
+/* Appends those of a range's particles, but i, that are within the support. Returns the new length. *crowded becomes
+ * true when one of them stands at i's place. */
 static size_t list_range(const ssfr_solver *solver, size_t i, ssfr_grid_range range, size_t n, uint32_t *list,
-                         ssfr_lanes_mask *same)
+                         bool *crowded)
 {
-    const ssfr_lanes *x = solver->x, xi = x[i];
+    const ssfr_lanes xi = solver->x[i];
     const float reach = solver->kernel.support * solver->kernel.support, coincide = reach * COINCIDE * COINCIDE;
     for (uint32_t j = range.begin; j < range.end && n < SSFR_MAX_LISTED; j += SSFR_LANES) {
-        ssfr_lanes m[4] = {x[j], x[j + 1], x[j + 2], x[j + 3]};
-        ssfr_lanes_transpose(m);
-        const ssfr_lanes dx = xi[0] - m[0], dy = xi[1] - m[1], dz = xi[2] - m[2];
+        const ssfr_lanes dx = xi[0] - ssfr_lanes_load(solver->axes[0] + j);
+        const ssfr_lanes dy = xi[1] - ssfr_lanes_load(solver->axes[1] + j);
+        const ssfr_lanes dz = xi[2] - ssfr_lanes_load(solver->axes[2] + j);
         const ssfr_lanes squares = dx * dx + dy * dy + dz * dz;
-        const ssfr_lanes_mask near = squares < reach;
-        *same -= squares < coincide;
-        for (uint32_t l = 0; l < SSFR_LANES; l++) {
-            list[n] = j + l;
-            n += near[l] && j + l < range.end && j + l != i;
-        }
+        const uint32_t left = range.end - j, self = (uint32_t)i - j;
+        unsigned near = ssfr_lanes_bits(squares < reach);
+        if (left < SSFR_LANES) near &= (1u << left) - 1;
+        if (self < SSFR_LANES) near &= ~(1u << self);
+        if (near & ssfr_lanes_bits(squares < coincide)) *crowded = true;
+        for (uint32_t l = 0; l < SSFR_LANES; l++) list[n + l] = j + packed[near].lane[l];
+        n += packed[near].n;
     }
     return n;
 }
@@ -57,9 +68,9 @@ static void list_cell(ssfr_solver *solver, size_t cell, size_t *used)
     uint32_t list[SSFR_MAX_LISTED + 2 * SSFR_LANES];
     for (size_t i = members.begin; i < members.end; i++) {
         size_t n = 0, begin;
-        ssfr_lanes_mask same = {0};
-        for (int r = 0; r < n_ranges; r++) n = list_range(solver, i, ranges[r], n, list, &same);
-        solver->labels[i].crowded = same[0] + same[1] + same[2] + same[3] > 1;
+        solver->labels[i].crowded = false;
+        for (int r = 0; r < n_ranges; r++)
+            n = list_range(solver, i, ranges[r], n, list, &solver->labels[i].crowded);
         solver->neighbours[i] = (uint32_t)n;
         while (n % SSFR_LANES) list[n++] = (uint32_t)solver->n;
 #pragma omp atomic capture
@@ -112,7 +123,7 @@ void ssfr_solver_sum_density(ssfr_solver *solver)
 
 /* ---- the density constraint --------------------------------------------------------------------------------------- */
 
-/* lambda_i = -C_i / (sum_k |grad_k C_i|^2 + eps), eq. 11, where C_i = rho_i / rho0 - 1. The sum of all changes stays
+/* lambda_i = -C_i / (sum_k |grad_k C_i|^2 + eps), eq. 11, where C_i = rho_i / rho0 - 1, eq. 1. The sum of all changes stays
  * at or below 0: particles push each other, but do not pull. */
 static float find_multiplier(ssfr_solver *solver, size_t i)
 {
@@ -129,12 +140,13 @@ static float find_multiplier(ssfr_solver *solver, size_t i)
     }
     const float behind = ssfr_solver_boundary(solver, i, xi, g);
     const ssfr_lanes own = {ssfr_lanes_sum(gx) + g[0], ssfr_lanes_sum(gy) + g[1], ssfr_lanes_sum(gz) + g[2], 0};
-    const float constraint = solver->kernel.value + ssfr_lanes_sum(density) + behind - 1;
-    const float all = ssfr_lanes_sum(squares) + ssfr_lanes_sum(own * own) +
+    const float rest = solver->rest;
+    const float constraint = (solver->kernel.value + ssfr_lanes_sum(density) + behind) / rest - 1;
+    const float all = (ssfr_lanes_sum(squares) + ssfr_lanes_sum(own * own)) / (rest * rest) +
                       (float)solver->setup.params.relaxation * solver->gradients;
     float *total = &solver->labels[i].multiplier;
     const float before = *total;
-    *total = fminf(before - constraint / fmaxf(all, solver->gradients * FEWEST), 0);
+    *total = fminf(before - solver->stiffness * constraint / fmaxf(all, solver->gradients * FEWEST), 0);
     return *total - before;
 }
 

@@ -30,6 +30,7 @@ ssfr_result ssfr_solver_reserve(ssfr_solver *solver, size_t n)
     ssfr_lanes **const lanes[] = {&s->x, &s->at, &s->from, &s->moved, &s->v};
     for (size_t a = 0; a < SSFR_COUNT(lanes); a++)
         SSFR_TRY(grow(lanes[a], s->n, room + SSFR_LANES, sizeof **lanes[a]));
+    for (int k = 0; k < 3; k++) SSFR_TRY(grow(&s->axes[k], 0, room + SSFR_LANES, sizeof *s->axes[k]));
     SSFR_TRY(grow(&s->labels, s->n, room, sizeof *s->labels));
     SSFR_TRY(grow(&s->spare_labels, 0, room, sizeof *s->labels));
     SSFR_TRY(grow(&s->position, 3 * s->n, 3 * room, sizeof *s->position));
@@ -46,7 +47,7 @@ end:
 size_t ssfr_solver_bytes(const ssfr_solver *solver)
 {
     const ssfr_solver *s = solver;
-    const size_t per_particle = 5 * sizeof *s->x + 2 * sizeof *s->labels + 6 * sizeof *s->position +
+    const size_t per_particle = 5 * sizeof *s->x + 2 * sizeof *s->labels + 9 * sizeof *s->position +
                                 sizeof *s->density + sizeof *s->neighbours + sizeof *s->list_begin + sizeof *s->list_end;
     return sizeof *s + s->capacity * per_particle + s->listed_capacity * sizeof *s->listed +
            s->contacts_capacity * sizeof *s->contacts + ssfr_grid_bytes(s->grid);
@@ -56,9 +57,10 @@ size_t ssfr_solver_bytes(const ssfr_solver *solver)
 
 void ssfr_solver_publish(ssfr_solver *solver)
 {
+#pragma omp parallel for schedule(static)
     for (size_t i = 0; i < solver->n; i++)
         for (size_t k = 0; k < 3; k++) {
-            solver->position[3 * i + k] = solver->x[i][k];
+            solver->position[3 * i + k] = solver->axes[k][i] = solver->x[i][k];
             solver->velocity[3 * i + k] = solver->v[i][k];
         }
 }
@@ -248,7 +250,7 @@ typedef struct header {
     char magic[8];
     uint32_t version, next_id;
     uint64_t n;
-    double radius, time;
+    double radius, time, felt_step;
 } header;
 
 typedef struct record { /* of a particle, in the solver's order */
@@ -261,7 +263,7 @@ typedef struct record { /* of a particle, in the solver's order */
 ssfr_result ssfr_solver_write(const ssfr_solver *solver, FILE *file)
 {
     header h = {.version = SSFR_SOLVER_VERSION, .next_id = solver->next_id, .n = solver->n,
-                .radius = solver->setup.radius, .time = solver->time};
+                .radius = solver->setup.radius, .time = solver->time, .felt_step = solver->felt_step};
     ssfr_result result = settle(solver);
     if (result != SSFR_OK) return result;
     memcpy(h.magic, magic, sizeof magic);
@@ -292,8 +294,8 @@ static ssfr_result read_header(const ssfr_solver *solver, FILE *file, header *h)
     if (h->radius != solver->setup.radius || h->n > solver->setup.max_particles)
         return ssfr_fail(SSFR_ERR_FORMAT, "solver: a state of %ju particles of radius %g m, not of this setup",
                          (uintmax_t)h->n, h->radius);
-    if (!(h->time >= 0 && isfinite(h->time)))
-        return ssfr_fail(SSFR_ERR_FORMAT, "solver: a state after %g s", h->time);
+    if (!(h->time >= 0 && isfinite(h->time) && h->felt_step >= 0 && isfinite(h->felt_step)))
+        return ssfr_fail(SSFR_ERR_FORMAT, "solver: a state after %g s with steps of %g s", h->time, h->felt_step);
     if (!holds(file, h->n))
         return ssfr_fail(SSFR_ERR_FORMAT, "solver: the state ends before its %ju particles do", (uintmax_t)h->n);
     return SSFR_OK;
@@ -325,6 +327,7 @@ ssfr_result ssfr_solver_read(ssfr_solver *solver, FILE *file)
     solver->n = (size_t)h.n;
     solver->next_id = h.next_id;
     solver->time = h.time;
+    solver->felt_step = h.felt_step;
     SSFR_TRY(ssfr_solver_sort(solver)); /* changes no order: what was written had been sorted */
     solver->stale = false;
 end:
