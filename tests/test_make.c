@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_make.c: simulating scenes into frames on disk: the same bits always, resuming, what fails and what then stays. */
+/* test_make.c: simulating scenes into frames on disk: the same bits always, resuming, and what stays after failures. */
 #include "tests/disk.h"
 #include "tests/util.h"
 
@@ -330,7 +330,8 @@ static void a_frame_holds_what_a_simulation_knows(void **state)
 static const char jet[] =
     "title: A jet\nradius: 0.01\nparticles: 20000\nduration: 0.1\nframe_rate: 50\ngravity: [0, 0, 0]\n"
     "domain: {lo: [-1, -1, -1], hi: [1, 1, 1]}\n"
-    "emitters: {mouth: {centre: [-0.5, 0.1, 0.2], direction: [1, 0, 0], size: [0.15, 0.1], speed: 2.385, start: 0.02}}\n";
+    "emitters: {mouth: {centre: [-0.5, 0.1, 0.2], direction: [1, 0, 0], "
+    "size: [0.15, 0.1], speed: 2.385, start: 0.02}}\n";
 
 static void an_emitter_streams_at_the_density_of_rest(void **state)
 {

@@ -223,6 +223,44 @@ static void rounding_is_told_from_what_the_method_does(void **state)
     ssfr_gl_destroy(&context);
 }
 
+/* The iterations that a graph has after a run of scene i. */
+static const char *iterations_of(const fixture *f, size_t i, char text[32])
+{
+    double v[SSFR_N_COLUMNS];
+    run(f, i, v);
+    assert_int_equal(ssfr_graph_get(ssfr_rig_graph(f->rig), "curvature_flow.iterations", text, 32), SSFR_OK);
+    return text;
+}
+
+static void what_a_scene_sets_is_gone_with_it_and_yields_to_the_sweep(void **state)
+{
+    (void)state;
+    static const char scene[] =
+        "title: A drop\nradius: 0.05\nparticles: 30\nduration: 0\ndomain: {lo: [0, 0, 0], hi: [1, 1, 1]}\n"
+        "fluid: {drop: {lo: [0, 0, 0], hi: [0.3, 0.3, 0.3]}}\nset: {curvature_flow.iterations: 7}\n";
+    const char *path = test_path("drop.yaml"), *cache = test_path("frames");
+    char axis[160], text[32], given[32];
+    fixture f;
+    test_write_file(path, scene, sizeof scene - 1);
+    snprintf(axis, sizeof axis, "scene=%s,block", path);
+    const char *const axes[] = {axis, "size=64x48", "backend=cpu", NULL};
+    begin(&f, NULL, axes, false);
+    f.options.stage.cache = cache;
+    f.options.stage.scale = SSFR_SCALE_FULL;
+    iterations_of(&f, 1, given);
+    assert_string_not_equal(given, "7");
+    assert_string_equal(iterations_of(&f, 0, text), "7");
+    assert_string_equal(iterations_of(&f, 1, text), given);
+    assert_string_equal(iterations_of(&f, 0, text), "7");
+    assert_int_equal(ssfr_sweep_spec_set_text(f.spec, "--set", "curvature_flow.iterations=5"), SSFR_OK);
+    assert_string_not_equal(iterations_of(&f, 1, text), "7");
+    assert_string_equal(iterations_of(&f, 0, text), "5");
+    end(&f);
+    char command[256];
+    snprintf(command, sizeof command, "rm -rf '%s'", cache);
+    assert_int_equal(system(command), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -231,6 +269,7 @@ int main(void)
         cmocka_unit_test(a_run_that_is_the_reference_has_no_error),
         cmocka_unit_test(without_a_reference_its_columns_are_empty),
         cmocka_unit_test(what_is_kept_between_runs_changes_no_number),
+        cmocka_unit_test(what_a_scene_sets_is_gone_with_it_and_yields_to_the_sweep),
         cmocka_unit_test(a_scene_without_particles_can_be_compared),
         cmocka_unit_test(a_run_that_fails_leaves_the_next_as_it_was),
         cmocka_unit_test(what_a_pipeline_does_not_take_is_refused),

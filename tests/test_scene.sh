@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# test_scene.sh: scenes from outside: making their frames, also killed and two at once, rendering them, converting files.
+# test_scene.sh: scenes from outside: making frames, killed and two at once, rendering them, converting files.
 # shellcheck disable=SC2086 # variables hold several options
 
 test=scene
@@ -131,7 +131,8 @@ wait_for 10 has_frames stopped 1
 kill -TERM $child
 wait $child
 that 'a signal makes it leave with 2' [ $? -eq 2 ]
-that 'and say in one line where' grep -Eq '^ssfr scene: slow.yaml, frame [0-9]: interrupted; the frames before it stay$' err
+that 'and say in one line where' \
+    grep -Eq '^ssfr scene: slow.yaml, frame [0-9]: interrupted; the frames before it stay$' err
 that 'nothing else' [ "$(cat out err | wc -l)" -eq 1 ]
 that 'nothing half-written stays' [ -z "$(find stopped -name '*.part')" ]
 accepts 'it is gone on with' scene make $slow --cache stopped
@@ -207,7 +208,8 @@ done
 accepts 'is rendered' render out_%03d.ply -o 'seq_%d.exr' $small --frames 2:6:2
 accepts 'with one view for all' render out_%03d.ply --dump seq_%d $small --frames 2:6:4
 that 'that stands still' [ "$(grep camera.eye seq_2/graph.json)" = "$(grep camera.eye seq_6/graph.json)" ]
-refuses 'a frame that no file has' 'there is no frame 3: they go from 2 to 6' render out_%03d.ply -o a.png $small --frame 3
+refuses 'a frame that no file has' 'there is no frame 3: they go from 2 to 6' \
+    render out_%03d.ply -o a.png $small --frame 3
 refuses 'a sequence without files' 'there are no frames' render none_%d.ply -o a.png $small
 refuses 'a sequence has no time' 'nothing tells when its frames are' render out_%03d.ply -o a.png $small --time 1
 accepts 'frames are converted' scene import out_%03d.ply -o 'in_%d.h5' --frames 4:

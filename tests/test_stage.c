@@ -2,7 +2,6 @@
 /* test_stage.c: scenes by name and by file, and the view that frames them. */
 #include "tests/util.h"
 
-#include "experiments/scenes/scenes.h"
 #include "experiments/stage.h"
 
 static ssfr_stage_options defaults(void)
@@ -258,6 +257,224 @@ static void a_name_that_is_nothing_is_refused_with_the_names_there_are(void **st
     assert_null(stage);
 }
 
+/* ---- scenes of many frames --------------------------------------------------------------------------------------- */
+
+static const char walls[] =
+    "title: A drop beside a wall that moves\n"
+    "radius: 0.05\nparticles: 100\nduration: 0.1\nframe_rate: 20\n"
+    "domain: {lo: [-1, 0, -1], hi: [1, 1, 1]}\n"
+    "motions: {push: {easing: linear, keys: [{time: 0}, {time: 0.1, move: [0.2, 0, 0]}]}}\n"
+    "solids:\n"
+    "  wall: {shape: box, centre: [-0.9, 0.5, 0], size: [0.1, 1, 1], motion: push}\n"
+    "  unseen: {shape: sphere, centre: [0.5, 0.5, 0.5], radius: 0.1, hidden: true}\n"
+    "fluid: {drop: {lo: [0, 0, 0], hi: [0.3, 0.3, 0.3]}}\n"
+    "cameras:\n"
+    "  still: {eye: [0, 1, 3], target: [0, 0.25, 0], fov_deg: 30}\n"
+    "  path: {target: [0, 0, 0], keys: [{time: 0, eye: [0, 1, 3]}, {time: 0.1, eye: [1, 1, 3]}]}\n"
+    "floor_height: -0.125\n";
+
+static const char *scene_file(void)
+{
+    const char *path = test_path("walls.yaml");
+    test_write_file(path, walls, sizeof walls - 1);
+    return path;
+}
+
+/* The options of the scene above, whose three frames are made once for all tests. */
+static ssfr_stage_options scene_options(void)
+{
+    static const char *cache;
+    ssfr_stage_options options = defaults();
+    if (!cache) cache = test_path("frames");
+    options.cache = cache;
+    options.scale = SSFR_SCALE_FULL;
+    return options;
+}
+
+static int remove_frames(void **state)
+{
+    (void)state;
+    const ssfr_stage_options options = scene_options();
+    char command[256];
+    snprintf(command, sizeof command, "rm -rf '%s'", options.cache);
+    return system(command);
+}
+
+static void a_frame_has_its_particles_solids_and_time(void **state)
+{
+    (void)state;
+    ssfr_stage_options options = scene_options();
+    options.frame = 1;
+    ssfr_stage *stage = make(scene_file(), &options);
+    assert_int_equal(stage->n_frames, 3);
+    assert_int_equal(stage->frame, 1);
+    assert_close(stage->time, 0.05, 1e-15, 0);
+    assert_int_equal(stage->particles->n, 27);
+    assert_null(stage->foam);
+    assert_int_equal(stage->scene.n_solids, 1); /* the other is hidden */
+    assert_close(stage->solids[0].centre[0], -0.8, 1e-12, 0);
+    assert_close(stage->scene.floor, -0.125, 0, 0);
+    assert_int_equal(ssfr_stage_show(stage, &options, 2), SSFR_OK);
+    assert_close(stage->solids[0].centre[0], -0.7, 1e-12, 0);
+    assert_close(stage->time, 0.1, 1e-15, 0);
+    ssfr_stage_destroy(&stage);
+}
+
+static void the_default_frame_is_two_thirds_of_the_way(void **state)
+{
+    (void)state;
+    const ssfr_stage_options options = scene_options();
+    ssfr_stage *stage = make(scene_file(), &options);
+    assert_int_equal(stage->frame, 2);
+    ssfr_stage_destroy(&stage);
+}
+
+static void a_time_is_the_nearest_frame(void **state)
+{
+    (void)state;
+    ssfr_stage_options options = scene_options();
+    ssfr_stage *stage = NULL;
+    options.time = 0.07;
+    stage = make(scene_file(), &options);
+    assert_int_equal(stage->frame, 1);
+    ssfr_stage_destroy(&stage);
+    options.time = 0.13;
+    assert_fails(SSFR_ERR_VALUE, ssfr_stage_create(&stage, scene_file(), &options), "no frame 3: they go from 0 to 2");
+    options.frame = 1;
+    assert_fails(SSFR_ERR_VALUE, ssfr_stage_create(&stage, scene_file(), &options), "--frame and --time both");
+    options.frame = -1;
+    assert_fails(SSFR_ERR_VALUE, ssfr_stage_create(&stage, "block", &options), "block: has no frames");
+    assert_null(stage);
+}
+
+static void a_scenes_camera_is_that_of_its_time(void **state)
+{
+    (void)state;
+    ssfr_stage_options options = scene_options();
+    options.frame = 1;
+    ssfr_stage *stage = make(scene_file(), &options);
+    assert_close(stage->scene.camera.eye[2], 3, 0, 0);
+    assert_close(stage->scene.camera.tan_y, tan(15 * acos(-1) / 180), 1e-14, 0);
+    options.camera = "path";
+    assert_int_equal(ssfr_stage_aim(stage, &options), SSFR_OK);
+    assert_close(stage->scene.camera.eye[0], 0.5, 1e-12, 0); /* half way on a straight line */
+    assert_int_equal(ssfr_stage_show(stage, &options, 2), SSFR_OK);
+    assert_close(stage->scene.camera.eye[0], 1, 1e-12, 0);
+    options.fov_deg = 60;
+    options.eye[0] = 2.385, options.eye[1] = 1, options.eye[2] = 1;
+    assert_int_equal(ssfr_stage_aim(stage, &options), SSFR_OK); /* what the user says, and the rest of the scene's */
+    assert_close(stage->scene.camera.eye[0], 2.385, 0, 0);
+    assert_close(stage->scene.camera.back[0] / stage->scene.camera.back[2], 2.385, 0, 1e-12);
+    assert_close(stage->scene.camera.tan_y, tan(30 * acos(-1) / 180), 1e-14, 0);
+    options.camera = "top";
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_stage_aim(stage, &options), "top");
+    ssfr_stage_destroy(&stage);
+    options.frame = -1;
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_stage_create(&stage, "block", &options), "--camera top: block has no cameras");
+}
+
+static void a_sequence_is_seen_from_one_place(void **state)
+{
+    (void)state;
+    static const float places[3][6] = {{0, 0, 0, 1, 0, 0}, {0, -0.5f, 0, 2, 0, 0}, {0.25f, 0, 0, 5, 1, 0}};
+    const ssfr_frame_range all = ssfr_frame_range_all;
+    const ssfr_stage_options options = defaults();
+    ssfr_stage *stage = NULL;
+    long *frames = NULL;
+    size_t n = 0;
+    for (int i = 0; i < 3; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "seq_%d.pos", 5 + 2 * i);
+        write_pos(name, 2, 0.125f, places[i]);
+    }
+    assert_int_equal(ssfr_stage_open(&stage, test_path("seq_%d.pos"), &options), SSFR_OK);
+    assert_int_equal(ssfr_stage_choose(stage, &all, &n, &frames), SSFR_OK);
+    assert_int_equal(n, 3);
+    assert_int_equal(frames[2], 9);
+    assert_int_equal(ssfr_stage_show(stage, &options, -1), SSFR_OK);
+    assert_int_equal(stage->frame, 9); /* two thirds of the way */
+    assert_int_equal(ssfr_stage_show(stage, &options, 5), SSFR_OK);
+    const ssfr_camera first = stage->scene.camera;
+    assert_int_equal(ssfr_stage_hold(stage, &options, n, frames), SSFR_OK);
+    for (size_t i = 0; i < n; i++) {
+        double lo[3], hi[3];
+        assert_int_equal(ssfr_stage_show(stage, &options, frames[i]), SSFR_OK);
+        ssfr_stage_view_box(stage, lo, hi);
+        assert_close(lo[0], -0.125, 0, 0), assert_close(hi[0], 5.125, 0, 0);
+        assert_close(lo[1], -0.625, 0, 0), assert_close(hi[1], 1.125, 0, 0);
+        assert_close(stage->scene.floor, -0.625, 0, 0);
+        assert_close(stage->scene.camera.eye[0], 2.5, 1e-12, 0);
+        assert_close(widest_corner(stage), 0.95, 1e-12, 0);
+        assert_true(stage->scene.camera.eye[2] > 2 * first.eye[2]);
+    }
+    free(frames);
+    ssfr_stage_destroy(&stage);
+}
+
+static void a_file_may_have_its_own_unit_and_axes(void **state)
+{
+    (void)state;
+    const float xyz[] = {100, 200, 300, 150, 200, 350};
+    ssfr_stage_options options = defaults();
+    options.unit = 0.01;
+    options.up_axis = 2;
+    double lo[3], hi[3];
+    ssfr_stage *stage = make(write_pos("cm.pos", 2, 5, xyz), &options);
+    ssfr_stage_bounds(stage, lo, hi);
+    assert_close(stage->particles->radius, 0.05, 0, 1e-6);
+    assert_close(lo[1], 2.95, 0, 1e-6);
+    assert_close(hi[1], 3.55, 0, 1e-6);
+    ssfr_stage_destroy(&stage);
+}
+
+static void frames_that_cannot_be_made_are_an_error(void **state)
+{
+    (void)state;
+    ssfr_stage_options options = scene_options();
+    ssfr_stage *stage = NULL;
+    char inner[200];
+    snprintf(inner, sizeof inner, "%s/x", scene_file());
+    options.cache = inner; /* in a file */
+    assert_fails(SSFR_ERR_IO, ssfr_stage_create(&stage, scene_file(), &options), "the folder cannot be made");
+    assert_null(stage);
+}
+
+static void scenes_inside_the_program_are_found_by_their_last_part(void **state)
+{
+    (void)state;
+    ssfr_scene_source s;
+    int n = 0;
+    for (; ssfr_scene_at(n, &s); n++) {
+        ssfr_scene_source found;
+        assert_int_equal(ssfr_scene_find(s.name, &found), SSFR_OK);
+        assert_int_equal(found.kind, SSFR_SCENE_DESCRIBED);
+        assert_string_equal(found.name, s.name);
+        assert_ptr_equal(found.embedded, s.embedded);
+    }
+    assert_true(n >= 10);
+    assert_int_equal(ssfr_scene_find("waterfall", &s), SSFR_OK);
+    assert_string_equal(s.name, "bagar2010/waterfall");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_scene_find("wave", &s), "wave: there are akinci2013/wave and imai2016/wave");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_scene_find("fall", &s), "fall: no such file");
+    assert_fails(SSFR_ERR_VALUE, ssfr_scene_find("a%d_%d.ply", &s), "a%d_%d.ply: expected one number");
+}
+
+static void every_scene_inside_the_program_is_sound_at_both_scales(void **state)
+{
+    (void)state;
+    ssfr_scene_source s;
+    for (int i = 0; ssfr_scene_at(i, &s); i++) {
+        ssfr_description *quick = NULL, *full = NULL;
+        assert_int_equal(ssfr_scene_describe(&s, SSFR_SCALE_QUICK, &quick), SSFR_OK);
+        assert_int_equal(ssfr_scene_describe(&s, SSFR_SCALE_FULL, &full), SSFR_OK);
+        assert_int_equal(quick->n_frames, full->n_frames);
+        assert_close((double)full->solver.max_particles / (double)quick->solver.max_particles, 16, 0, 0.01);
+        assert_true(quick->n_views > 0);
+        ssfr_description_destroy(&quick);
+        ssfr_description_destroy(&full);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -275,6 +492,15 @@ int main(void)
         cmocka_unit_test(a_given_radius_replaces_the_scenes_own),
         cmocka_unit_test(nonfinite_particles_are_refused_or_dropped),
         cmocka_unit_test(a_name_that_is_nothing_is_refused_with_the_names_there_are),
+        cmocka_unit_test(a_frame_has_its_particles_solids_and_time),
+        cmocka_unit_test(the_default_frame_is_two_thirds_of_the_way),
+        cmocka_unit_test(a_time_is_the_nearest_frame),
+        cmocka_unit_test(a_scenes_camera_is_that_of_its_time),
+        cmocka_unit_test(a_sequence_is_seen_from_one_place),
+        cmocka_unit_test(a_file_may_have_its_own_unit_and_axes),
+        cmocka_unit_test(frames_that_cannot_be_made_are_an_error),
+        cmocka_unit_test(scenes_inside_the_program_are_found_by_their_last_part),
+        cmocka_unit_test(every_scene_inside_the_program_is_sound_at_both_scales),
     };
-    return cmocka_run_group_tests(tests, test_capture_log, NULL);
+    return cmocka_run_group_tests(tests, test_capture_log, remove_frames);
 }

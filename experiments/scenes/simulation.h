@@ -15,8 +15,8 @@ void ssfr_simulation_destroy(ssfr_simulation **simulation);
 /* Simulates the next frame. Fails where a value is no longer finite, and after a signal (see interrupt.h): then the
  * simulation is of no further use. */
 SSFR_MUST ssfr_result ssfr_simulation_advance(ssfr_simulation *simulation);
-/* The frame that it stands at. Those below 0 are the time of rest, in which solids stand as they do at time 0; at first it
- * is one before them. */
+/* The frame that it stands at. Those below 0 are the time of rest, in which solids stand as they do at time 0; at first
+ * it is one before them. */
 int ssfr_simulation_frame(const ssfr_simulation *simulation);
 long ssfr_simulation_steps(const ssfr_simulation *simulation); /* so far */
 
