@@ -374,6 +374,27 @@ static void there_are_never_more_particles_than_allowed(void **state)
     ssfr_description_destroy(&d);
 }
 
+/* The jet's mouth is half closed by a board: the layers that leave it are half as large. */
+static void nothing_is_emitted_into_a_solid(void **state)
+{
+    (void)state;
+    static const char board[] = "solids: {board: {shape: box, centre: [-0.5, -0.405, 0.2], size: [1, 1, 1]}}\n";
+    char text[sizeof jet + sizeof board];
+    snprintf(text, sizeof text, "%s%s", jet, board);
+    ssfr_description *open = parse(jet), *half = parse(text);
+    const char *cache = new_cache();
+    assert_int_equal(make(open, cache, -1), SSFR_OK);
+    assert_int_equal(make(half, cache, -1), SSFR_OK);
+    ssfr_particles *all = load(open, cache, LAST, false), *some = load(half, cache, LAST, false);
+    double lo[3], hi[3];
+    assert_close((double)some->n / (double)all->n, 3.0 / 5, 0.05, 0); /* of five rows three are above it */
+    ssfr_particles_bounds(some, lo, hi);
+    assert_true(lo[1] >= 0.095);
+    ssfr_particles_destroy(&all), ssfr_particles_destroy(&some);
+    remove_all(cache);
+    ssfr_description_destroy(&open), ssfr_description_destroy(&half);
+}
+
 /* A mouth on its side in water that stands: without room nothing comes out, and nothing bursts. */
 static void a_mouth_that_is_full_emits_nothing(void **state)
 {
@@ -479,21 +500,30 @@ static void what_blows_up_names_frame_and_particle_and_leaves_the_frames_before(
     ssfr_description_destroy(&d);
 }
 
-static void an_emitter_that_is_too_fast_is_found_out_when_it_opens(void **state)
+static void emitters_and_solids_that_are_too_fast_are_found_out(void **state)
 {
     (void)state;
     static const char gun[] =
         "title: Too fast\nradius: 0.001\nparticles: 100\nduration: 0.1\nframe_rate: 50\nsolver: {cfl: 0.01}\n"
         "domain: {lo: [0, 0, 0], hi: [0.4, 0.4, 0.4]}\n"
         "emitters: {gun: {centre: [0.1, 0.1, 0.1], direction: [1, 0, 0], radius: 0.001, speed: 10000, start: 0.03}}\n";
-    ssfr_description *d = parse(gun);
+    static const char racket[] =
+        "title: Too fast\nradius: 0.001\nparticles: 100\nduration: 0.1\nframe_rate: 50\nsolver: {cfl: 0.01}\n"
+        "domain: {lo: [0, 0, 0], hi: [0.4, 0.4, 0.4]}\n"
+        "motions: {hit: {keys: [{time: 0.03}, {time: 0.05, move: [0, 100, 0]}]}}\n"
+        "solids: {board: {shape: box, centre: [0.2, 0.3, 0.2], size: [0.1, 0.1, 0.1], motion: hit}}\n"
+        "fluid: {drop: {lo: [0, 0, 0], hi: [0.002, 0.002, 0.002]}}\n";
+    const char *const texts[] = {gun, racket};
     const char *cache = new_cache();
-    char *folder = folder_of(d, cache, 1);
-    assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), "a/b c.yaml, frame 2: an emitter is so fast");
-    assert_int_equal(ssfr_make_count(folder), 2);
-    free(folder);
+    for (size_t i = 0; i < SSFR_COUNT(texts); i++) {
+        ssfr_description *d = parse(texts[i]);
+        char *folder = folder_of(d, cache, 1);
+        assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), "a/b c.yaml, frame 2: an emitter or a solid is so fast");
+        assert_int_equal(ssfr_make_count(folder), 2);
+        free(folder);
+        ssfr_description_destroy(&d);
+    }
     remove_all(cache);
-    ssfr_description_destroy(&d);
 }
 
 int main(void)
@@ -510,13 +540,14 @@ int main(void)
         cmocka_unit_test(a_frame_holds_what_a_simulation_knows),
         cmocka_unit_test(an_emitter_streams_at_the_density_of_rest),
         cmocka_unit_test(there_are_never_more_particles_than_allowed),
+        cmocka_unit_test(nothing_is_emitted_into_a_solid),
         cmocka_unit_test(a_mouth_that_is_full_emits_nothing),
         cmocka_unit_test(a_sink_leaves_nothing_in_it),
         cmocka_unit_test(a_frame_beyond_the_last_is_refused),
         cmocka_unit_test(a_cache_that_cannot_be_made_is_one_line),
         cmocka_unit_test(a_full_disk_leaves_the_frames_before),
         cmocka_unit_test(what_blows_up_names_frame_and_particle_and_leaves_the_frames_before),
-        cmocka_unit_test(an_emitter_that_is_too_fast_is_found_out_when_it_opens),
+        cmocka_unit_test(emitters_and_solids_that_are_too_fast_are_found_out),
     };
     return cmocka_run_group_tests(tests, test_capture_log, remove_reference);
 }

@@ -5,7 +5,7 @@
 
 #include <inttypes.h>
 
-static const double max_steps = 1e5;      /* in a frame: when more are needed, the simulation has blown up */
+static const double shortest_step = 1e-4; /* of max_step: where less is needed, the simulation has blown up */
 static const double foam_radius = 0.25;   /* of the fluid's: what diffuse particles are drawn with */
 static const double stray = 0.02;         /* of the spacing: how far emitted particles are off their lattice */
 static const double room = 0.5;           /* of the spacing: where a particle is as near as that, none is emitted */
@@ -80,6 +80,17 @@ void ssfr_simulation_destroy(ssfr_simulation **simulation)
     *simulation = NULL;
 }
 
+/* Solids stand still during the time of rest. */
+static void move_solids(ssfr_simulation *s, double from, double to)
+{
+    for (int i = 0; i < s->d->n_bodies; i++) {
+        const ssfr_body *body = &s->d->bodies[i];
+        s->obstacles[i] = (ssfr_obstacle){.before = ssfr_body_at(s->d, body, fmax(from, 0)),
+                                          .now = ssfr_body_at(s->d, body, fmax(to, 0)),
+                                          .friction = body->friction};
+    }
+}
+
 /* ---- emitters ---------------------------------------------------------------------------------------------------- */
 
 /* Particles to be added in a step. */
@@ -108,6 +119,17 @@ static double random_at(uint64_t a, uint64_t b)
     v = (v ^ v >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
     v = (v ^ v >> 27) * UINT64_C(0x94d049bb133111eb);
     return 2 * ldexp((double)((v ^ v >> 31) >> 11), -53) - 1;
+}
+
+/* In the domain, and in no solid. */
+static bool is_open(const ssfr_simulation *s, const double at[3])
+{
+    const ssfr_solver_setup *setup = &s->d->solver;
+    bool open = true;
+    double normal[3];
+    for (int k = 0; k < 3; k++) open = open && at[k] >= setup->lo[k] && at[k] <= setup->hi[k];
+    for (int i = 0; i < s->d->n_bodies && open; i++) open = ssfr_solid_distance(&s->obstacles[i].now, at, normal) >= 0;
+    return open;
 }
 
 static bool has_room(const ssfr_fluid *fluid, const double at[3], double distance)
@@ -164,7 +186,7 @@ static ssfr_result emit_layer(const ssfr_simulation *s, const ssfr_fluid *fluid,
         const double dy = stray * s->spacing * random_at(l->key, 2 * (uint64_t)i + 1);
         for (int k = 0; k < 3; k++)
             at[k] = mouth->centre[k] + (x + dx) * side[k] + (y + dy) * mouth->up[k] + l->way * mouth->direction[k];
-        if (!has_room(fluid, at, room * s->spacing)) continue;
+        if (!is_open(s, at) || !has_room(fluid, at, room * s->spacing)) continue;
         if (b->n == b->capacity) SSFR_TRY(grow(b));
         for (size_t k = 0; k < 3; k++) {
             b->positions[3 * b->n + k] = at[k];
@@ -210,17 +232,6 @@ static void drain(ssfr_simulation *s)
     }
 }
 
-/* Solids stand still during the time of rest. */
-static void move_solids(ssfr_simulation *s, double from, double to)
-{
-    for (int i = 0; i < s->d->n_bodies; i++) {
-        const ssfr_body *body = &s->d->bodies[i];
-        s->obstacles[i] = (ssfr_obstacle){.before = ssfr_body_at(s->d, body, fmax(from, 0)),
-                                          .now = ssfr_body_at(s->d, body, fmax(to, 0)),
-                                          .friction = body->friction};
-    }
-}
-
 /* The particle that asks for the shortest step. */
 static size_t fastest(const ssfr_fluid *fluid)
 {
@@ -243,26 +254,52 @@ static ssfr_result fail_blown_up(const ssfr_simulation *s, double limit)
                      i, fluid.n, (double)v[0], (double)v[1], (double)v[2], limit);
 }
 
-/* Of emitters that are open until `to`: what leaves them must not go farther in a step than other particles may. */
-static double emitters_limit(const ssfr_simulation *s, double to)
+/* m/s, of the emitters that are open before `to`. */
+static double emitters_speed(const ssfr_simulation *s, double to)
 {
-    double fastest = 0;
+    double speed = 0;
     for (int i = 0; i < s->d->n_emitters; i++) {
         const ssfr_emitter *e = &s->d->emitters[i];
-        if (e->start < to && e->stop > s->time) fastest = fmax(fastest, e->speed);
+        if (e->start < to && e->stop > s->time) speed = fmax(speed, e->speed);
     }
-    return s->d->solver.params.cfl * s->d->solver.radius / fmax(fastest, 1e-300);
+    return speed;
 }
 
-/* As long as allowed, and so that the last step before `end` is no shorter than the others. */
-static ssfr_result choose_step(const ssfr_simulation *s, double end, double *dt)
+/* m, the longest way of a corner of the box around a solid; of its centre, where it has no end. */
+static double solids_way(const ssfr_simulation *s)
 {
-    const double left = end - s->time, fluid = ssfr_solver_limit(s->solver);
-    const double limit = fmin(fluid, emitters_limit(s, s->time + fmin(fluid, left))), n = ceil(left / limit);
-    if (!(fluid > left / max_steps)) return fail_blown_up(s, fluid);
-    if (!(n <= max_steps))
-        return ssfr_fail(SSFR_ERR_VALUE, "an emitter is so fast that steps of %g s would be needed", limit);
-    *dt = left / n;
+    double longest = 0;
+    for (int i = 0; i < s->d->n_bodies; i++) {
+        const ssfr_obstacle *o = &s->obstacles[i];
+        double lo[3], hi[3], at[3], way[3];
+        ssfr_solid_bounds(&o->now, lo, hi);
+        for (int corner = 0; corner < 8; corner++) {
+            for (int k = 0; k < 3; k++) {
+                at[k] = corner >> k & 1 ? hi[k] : lo[k];
+                if (!isfinite(at[k])) at[k] = o->now.centre[k];
+            }
+            ssfr_obstacle_motion(o, at, way);
+            longest = fmax(longest, sqrt(ssfr_dot(way, way)));
+        }
+    }
+    return longest;
+}
+
+/* As long as allowed, and so that the last step before `end` is no shorter than the others. What flows out of emitters
+ * and solids keep to the same condition as the fluid does. */
+static ssfr_result choose_step(ssfr_simulation *s, double end, double *dt)
+{
+    const ssfr_solver_setup *setup = &s->d->solver;
+    const double left = end - s->time, way = setup->params.cfl * setup->radius;
+    const double fluid = ssfr_solver_limit(s->solver), first = fmin(fluid, left);
+    move_solids(s, s->time, s->time + first);
+    const double others = fmin(way / fmax(emitters_speed(s, s->time + first), 1e-300),
+                               first * way / fmax(solids_way(s), 1e-300));
+    const double limit = fmin(fluid, others), shortest = shortest_step * setup->params.max_step;
+    if (!(fluid >= shortest)) return fail_blown_up(s, fluid);
+    if (!(limit >= fmin(shortest, left)))
+        return ssfr_fail(SSFR_ERR_VALUE, "an emitter or a solid is so fast that steps of %g s would be needed", limit);
+    *dt = left / ceil(left / limit);
     return SSFR_OK;
 }
 
@@ -270,6 +307,7 @@ static ssfr_result step(ssfr_simulation *s, double end)
 {
     ssfr_result result = SSFR_OK;
     double dt = 0;
+    move_solids(s, s->time, s->time);
     SSFR_TRY(emit(s));
     drain(s);
     SSFR_TRY(choose_step(s, end, &dt));
