@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: MIT
 // common.glsl: the frame's block and how images are read. Row 0 is the top row; gl_FragCoord.y grows downwards.
 
+struct Solid {
+    vec4 centre; // relative to the eye, world axes; w: square of a radius around it that holds it
+    vec4 axis[3]; // w: half extent
+    vec4 color;
+    vec4 kind;   // shape, inner radius, first node of the mesh
+};
+
 layout(std140, binding = 0) uniform Frame { // ssfr_block of graph/frame.h, vec4 by vec4
     vec4 image;      // w px, h px, c_x, c_y
     vec4 right;      // eye axes in world; w: floor's height over the eye
@@ -12,7 +19,8 @@ layout(std140, binding = 0) uniform Frame { // ssfr_block of graph/frame.h, vec4
     vec4 zenith;     // rgb; w: number of solids
     vec4 horizon;    // rgb; w: near
     vec4 ground;     // tile m, light, dark, haze m
-    vec4 solid[80];  // five a solid
+    vec4 map;        // w px, h px of the environment's map; 0: none
+    Solid solid[64];
 } frame;
 
 const float EMPTY = 1e30;

@@ -445,7 +445,7 @@ static void solids_and_particles_out_of_range_are_refused(void **state)
     test_scene s;
     test_scene_create_usual(&s, 64, 48);
     s.scene.n_solids = SSFR_MAX_SOLIDS + 1;
-    scene_fails(&s.scene, "17 solids, at most 16");
+    scene_fails(&s.scene, "65 solids, at most 64");
     s.scene.n_solids = -1;
     scene_fails(&s.scene, "-1 solids");
     s.scene.n_solids = 2;

@@ -31,6 +31,20 @@ end:
     return result;
 }
 
+ssfr_result ssfr_draw_by_solids(const ssfr_run *run, unsigned program, int first, int count)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_draw *draw = run->draw;
+    if (count == 0) return SSFR_OK;
+    SSFR_TRY(ssfr_gl_target(draw->gl, draw->n_out, draw->out));
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_TILES, draw->tiles_by_solids);
+    glUseProgram(program);
+    glUniform4i(SSFR_AT_TILE, SSFR_TILE / run->divisor, 1, draw->out[0]->w, draw->out[0]->h);
+    glDrawArrays(GL_TRIANGLES, 6 * first, 6 * count);
+end:
+    return result;
+}
+
 static void set_blend(ssfr_splat_blend blend)
 {
     glEnable(GL_BLEND);

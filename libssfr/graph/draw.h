@@ -7,8 +7,12 @@
 #include "gl/gl.h"
 #include "graph/pass.h"
 
-/* Storage buffer bindings; shaders/particles.glsl, surface_noise.frag and tiles.vert repeat them. */
-enum { SSFR_BIND_POSITION, SSFR_BIND_OFFSET, SSFR_BIND_TILES, SSFR_BIND_ID };
+/* Storage buffer bindings; shaders/particles.glsl, surface_noise.frag, tiles.vert and environment.glsl repeat them. */
+enum {
+    SSFR_BIND_POSITION, SSFR_BIND_OFFSET, SSFR_BIND_TILES, SSFR_BIND_ID, SSFR_BIND_SOLID_TILES, SSFR_BIND_NODES,
+    SSFR_BIND_TRIANGLES,
+};
+enum { SSFR_UNIT_ENVIRONMENT = 15 }; /* beyond the units of a pass's inputs */
 
 typedef struct ssfr_draw {
     ssfr_gl *gl;
@@ -19,6 +23,7 @@ typedef struct ssfr_draw {
     const unsigned *programs;
     bool whole_screen;    /* all pixels, not only tiles with fluid */
     int stride, first;    /* of the position buffer, in floats */
+    unsigned tiles_by_solids; /* buffer: facts.by_solids */
     unsigned quads;       /* index buffer: two triangles for each of SSFR_QUAD_BATCH quads */
     unsigned copy;        /* program */
     unsigned sampler;     /* for images of the host */
@@ -27,6 +32,9 @@ typedef struct ssfr_draw {
 /* Runs a program over the pixels of the targets that may hold fluid, or all of them for a whole-screen pass. */
 SSFR_MUST ssfr_result ssfr_draw_screen(const ssfr_run *run, unsigned program, int n,
                                        const ssfr_texture *const *targets);
+
+/* Runs a program over the tiles of facts.by_solids from `first` on. */
+SSFR_MUST ssfr_result ssfr_draw_by_solids(const ssfr_run *run, unsigned program, int first, int count);
 
 enum { SSFR_QUAD_BATCH = 16384 }; /* quads a draw: their vertices are numbered in 16 bits */
 

@@ -3,6 +3,10 @@
 #include "graph/frame.h"
 
 #include "base/param.h"
+#include "scene/mesh.h"
+#include "scene/solid.h"
+
+#include <float.h>
 
 /* ---- the world's parameter groups ------------------------------------------------------------------------------- */
 
@@ -83,15 +87,53 @@ static double in_period(double position, double tile)
     return fmod(position, 2 * tile);
 }
 
-static void fill_solids(ssfr_block *block, const ssfr_scene *scene)
+/* Where the mesh stands among the frame's, with those before it. */
+static size_t add_mesh(ssfr_frame *frame, const ssfr_mesh *mesh)
 {
+    int i = 0;
+    while (i < frame->n_meshes && frame->meshes[i] != mesh) i++;
+    if (i == frame->n_meshes) {
+        frame->meshes[frame->n_meshes] = mesh;
+        frame->first_node[frame->n_meshes++] = frame->n_nodes;
+        frame->n_nodes += mesh->n_nodes, frame->n_triangles += mesh->n_triangles;
+    }
+    return frame->first_node[i];
+}
+
+/* Half extents of the box around the solid in its own axes, m; infinite for a plane. */
+static void half_extents(const ssfr_solid *s, double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = s->shape == SSFR_MESH     ? 0.5 * (s->mesh->hi[k] - s->mesh->lo[k])
+                 : s->shape == SSFR_SPHERE ? s->half[0]
+                 : s->shape == SSFR_PLANE  ? INFINITY
+                                           : s->half[k];
+}
+
+static void fill_solid(ssfr_frame *frame, int i)
+{
+    const ssfr_solid *s = &frame->solids[i];
+    double(*out)[4] = frame->block.solid[i], half[3], middle[3] = {s->centre[0], s->centre[1], s->centre[2]};
+    half_extents(s, half);
+    if (s->shape == SSFR_MESH) ssfr_solid_world(s, s->mesh->middle, middle);
+    /* Larger by what a float may lose on the way from the eye. */
+    const double around = 1.001 * sqrt(ssfr_dot(half, half)) + 1e-5 * sqrt(ssfr_dot(middle, middle));
+    set4(out[0], middle[0], middle[1], middle[2], fmin(around * around, SSFR_EMPTY));
+    for (int k = 0; k < 3; k++)
+        set4(out[1 + k], s->axis[k][0], s->axis[k][1], s->axis[k][2], fmin(half[k], SSFR_EMPTY));
+    set4(out[4], s->colour[0], s->colour[1], s->colour[2], 0);
+    set4(out[5], s->shape, s->inner, s->shape == SSFR_MESH ? (double)add_mesh(frame, s->mesh) : 0, 0);
+}
+
+static void fill_solids(ssfr_frame *frame, const ssfr_scene *scene)
+{
+    frame->n_solids = scene->n_solids;
+    frame->n_meshes = 0;
+    frame->n_nodes = frame->n_triangles = 0;
     for (int i = 0; i < scene->n_solids; i++) {
-        const ssfr_solid *s = &scene->solids[i];
-        double(*out)[4] = block->solid[i];
-        const double *eye = scene->camera.eye;
-        set4(out[0], s->centre[0] - eye[0], s->centre[1] - eye[1], s->centre[2] - eye[2], 0);
-        for (int k = 0; k < 3; k++) set4(out[1 + k], s->axis[k][0], s->axis[k][1], s->axis[k][2], s->half[k]);
-        set4(out[4], s->colour[0], s->colour[1], s->colour[2], 0);
+        frame->solids[i] = scene->solids[i];
+        for (int k = 0; k < 3; k++) frame->solids[i].centre[k] -= scene->camera.eye[k];
+        fill_solid(frame, i);
     }
 }
 
@@ -100,6 +142,7 @@ static void fill_block(ssfr_block *block, const ssfr_scene *scene, const ssfr_wo
     const ssfr_camera *camera = &scene->camera;
     const ssfr_medium *m = &world->medium;
     const ssfr_sky *sky = &world->sky;
+    const ssfr_field *map = scene->environment;
     const double degree = 3.14159265358979323846 / 180, tile = world->floor.tile;
     const double a = world->light.azimuth_deg * degree, e = world->light.elevation_deg * degree;
     const double floor_y = isfinite(scene->floor) ? scene->floor - camera->eye[1] : -SSFR_EMPTY;
@@ -113,7 +156,7 @@ static void fill_block(ssfr_block *block, const ssfr_scene *scene, const ssfr_wo
     set4(block->zenith, sky->zenith_r, sky->zenith_g, sky->zenith_b, scene->n_solids);
     set4(block->horizon, sky->horizon_r, sky->horizon_g, sky->horizon_b, camera->near);
     set4(block->floor, tile, world->floor.light, world->floor.dark, world->floor.haze);
-    fill_solids(block, scene);
+    set4(block->map, map ? map->w : 0, map ? map->h : 0, 0, 0);
 }
 
 /* ---- facts ------------------------------------------------------------------------------------------------------- */
@@ -143,11 +186,11 @@ static void project(double c, double h, double near, double far, double per_pixe
     *hi = (int)ceil(ssfr_clamp(b / per_pixel + size / 2.0 + 1, 0, size));
 }
 
-static bool box_pixels(const ssfr_frame *frame, const bounds *b, int lo[2], int hi[2])
+static bool box_pixels(const ssfr_frame *frame, const bounds *b, double near, int lo[2], int hi[2])
 {
     const double farthest = b->half[2] - b->centre[2], nearest = -b->half[2] - b->centre[2];
     lo[0] = lo[1] = 0, hi[0] = frame->w, hi[1] = frame->h;
-    if (farthest < frame->near) return false; /* behind the near plane */
+    if (farthest < near) return false; /* behind the near plane */
     if (nearest > 1e-3 * farthest) {
         project(b->centre[0], b->half[0], nearest, farthest, frame->block.image[2], frame->w, &lo[0], &hi[0]);
         project(-b->centre[1], b->half[1], nearest, farthest, frame->block.image[3], frame->h, &lo[1], &hi[1]);
@@ -186,7 +229,7 @@ static void mark_packet(ssfr_frame *frame, size_t i, double reach, const int lo[
         bounds b = {.half = {reach, reach, reach}};
         int from[2], to[2];
         ssfr_frame_eye(frame, k, b.centre);
-        if (box_pixels(frame, &b, from, to)) mark_tiles(&frame->facts, from, to);
+        if (box_pixels(frame, &b, frame->near, from, to)) mark_tiles(&frame->facts, from, to);
     }
 }
 
@@ -203,6 +246,58 @@ static void add_packet(ssfr_frame *frame, size_t i)
     }
     facts->n_particles += (size_t)n;
     facts->n_packets++;
+}
+
+/* The box around the solid, in eye space. */
+static bounds solid_bounds(const ssfr_frame *frame, int i)
+{
+    bounds b = {0};
+    for (int k = 0; k < 3; k++) {
+        b.centre[k] = ssfr_dot(frame->rotation[k], frame->block.solid[i][0]);
+        for (int j = 0; j < 3; j++)
+            b.half[k] += fabs(ssfr_dot(frame->rotation[k], frame->block.solid[i][1 + j])) *
+                         frame->block.solid[i][1 + j][3];
+    }
+    return b;
+}
+
+static ssfr_tile_kind kind_of(const ssfr_frame *frame, const ssfr_solid_set solids)
+{
+    int kind = SSFR_TILE_PLAIN;
+    for (int i = 0; i < frame->n_solids; i++)
+        if (solids[i / 32] >> i % 32 & 1)
+            kind = ssfr_max_int(kind, frame->solids[i].shape == SSFR_MESH ? SSFR_TILE_MESHES : SSFR_TILE_SOLIDS);
+    return (ssfr_tile_kind)kind;
+}
+
+static void list_by_solids(ssfr_frame *frame)
+{
+    ssfr_facts *facts = &frame->facts;
+    const int n = facts->tiles_x * facts->tiles_y;
+    int at = 0;
+    for (ssfr_tile_kind kind = 0; kind < SSFR_N_TILE_KINDS; kind++) {
+        const int first = at;
+        for (int i = 0; i < n; i++)
+            if (kind_of(frame, facts->solids[i]) == kind)
+                facts->by_solids[at++] = (uint32_t)(i % facts->tiles_x) | (uint32_t)(i / facts->tiles_x) << 16;
+        facts->n_by_solids[kind] = at - first;
+    }
+}
+
+/* Rays begin in the eye, whatever the near plane is. */
+static void mark_solids(ssfr_frame *frame)
+{
+    ssfr_facts *facts = &frame->facts;
+    memset(facts->solids, 0, (size_t)facts->tiles_x * (size_t)facts->tiles_y * sizeof *facts->solids);
+    for (int i = 0; i < frame->n_solids; i++) {
+        const bounds b = solid_bounds(frame, i);
+        int lo[2] = {0, 0}, hi[2] = {frame->w, frame->h};
+        if (frame->solids[i].shape != SSFR_PLANE && !box_pixels(frame, &b, 0, lo, hi)) continue;
+        for (int y = lo[1] / SSFR_TILE; y <= (hi[1] - 1) / SSFR_TILE; y++)
+            for (int x = lo[0] / SSFR_TILE; x <= (hi[0] - 1) / SSFR_TILE; x++)
+                facts->solids[y * facts->tiles_x + x][i / 32] |= 1u << i % 32;
+    }
+    list_by_solids(frame);
 }
 
 static void list_tiles(ssfr_facts *facts)
@@ -223,7 +318,7 @@ static double mean_distance(const ssfr_frame *frame, double otherwise)
     int lo[2], hi[2];
     for (size_t i = 0; i < frame->n_packets; i++) {
         const bounds b = packet_bounds(frame, i, frame->radius);
-        if (!box_pixels(frame, &b, lo, hi)) continue;
+        if (!box_pixels(frame, &b, frame->near, lo, hi)) continue;
         sum -= b.centre[2] * (double)packet_size(frame, i);
         n_seen += packet_size(frame, i);
     }
@@ -240,7 +335,7 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
     memset(facts->mask, keep_all, (size_t)facts->tiles_x * (size_t)facts->tiles_y);
     for (size_t i = 0; i < frame->n_packets; i++) {
         const bounds b = packet_bounds(frame, i, reach * frame->radius);
-        const bool visible = box_pixels(frame, &b, lo, hi);
+        const bool visible = box_pixels(frame, &b, frame->near, lo, hi);
         if (visible) nearest = fmin(nearest, -b.centre[2] - b.half[2]);
         if (visible && !keep_all) mark_packet(frame, i, reach * frame->radius, lo, hi);
         if (visible || keep_all) add_packet(frame, i);
@@ -285,10 +380,12 @@ static ssfr_result reserve(ssfr_frame *frame, long *grew)
         ++*grew;
     }
     if (n_tiles > frame->cap_tiles) {
-        free(facts->tiles), free(facts->mask);
-        facts->tiles = NULL, facts->mask = NULL, frame->cap_tiles = 0;
+        free(facts->tiles), free(facts->mask), free(facts->solids), free(facts->by_solids);
+        facts->tiles = facts->by_solids = NULL, facts->mask = NULL, facts->solids = NULL, frame->cap_tiles = 0;
         SSFR_TRY(ssfr_alloc(&facts->tiles, n_tiles, sizeof *facts->tiles, "tiles"));
         SSFR_TRY(ssfr_alloc(&facts->mask, n_tiles, 1, "tiles"));
+        SSFR_TRY(ssfr_alloc(&facts->solids, n_tiles, sizeof *facts->solids, "tiles"));
+        SSFR_TRY(ssfr_alloc(&facts->by_solids, n_tiles, sizeof *facts->by_solids, "tiles"));
         frame->cap_tiles = n_tiles;
         ++*grew;
     }
@@ -301,16 +398,6 @@ static bool all_finite(const double v[3])
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
 }
 
-/* Unit vectors at right angles, as exact as a caller's floats can make them. */
-static bool is_orthonormal(const double *x, const double *y, const double *z)
-{
-    const double *axes[3] = {x, y, z};
-    bool ok = true;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k <= i; k++) ok &= fabs(ssfr_dot(axes[i], axes[k]) - (i == k)) < 1e-4; /* false for NaN */
-    return ok;
-}
-
 static ssfr_result check_camera(const ssfr_camera *c)
 {
     if (c->w < 1 || c->h < 1 || c->w > SSFR_MAX_SIZE || c->h > SSFR_MAX_SIZE)
@@ -321,34 +408,66 @@ static ssfr_result check_camera(const ssfr_camera *c)
         return ssfr_fail(SSFR_ERR_VALUE, "camera: near %g and far %g; 0 < near < far is needed", c->near, c->far);
     if (!all_finite(c->eye))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: eye %g,%g,%g is not finite", c->eye[0], c->eye[1], c->eye[2]);
-    if (!is_orthonormal(c->right, c->up, c->back))
+    if (!ssfr_axes_are_orthonormal(c->right, c->up, c->back))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: right, up and back are not orthonormal");
     return SSFR_OK;
 }
 
 static ssfr_result check_solids(const ssfr_scene *scene)
 {
+    ssfr_result result = SSFR_OK;
     if (scene->n_solids < 0 || scene->n_solids > SSFR_MAX_SOLIDS)
         return ssfr_fail(SSFR_ERR_VALUE, "%d solids, at most %d are drawn", scene->n_solids, SSFR_MAX_SOLIDS);
     for (int i = 0; i < scene->n_solids; i++) {
-        const ssfr_solid *s = &scene->solids[i];
-        if (!all_finite(s->centre) || !all_finite(s->colour))
-            return ssfr_fail(SSFR_ERR_VALUE, "solid %d (from 0): centre and colour must be finite", i);
-        if (!(s->half[0] > 0 && s->half[1] > 0 && s->half[2] > 0 && all_finite(s->half)))
-            return ssfr_fail(SSFR_ERR_VALUE, "solid %d (from 0): half extents %g,%g,%g m: they must be positive", i,
-                             s->half[0], s->half[1], s->half[2]);
-        if (!is_orthonormal(s->axis[0], s->axis[1], s->axis[2]))
-            return ssfr_fail(SSFR_ERR_VALUE, "solid %d (from 0): its axes are not orthonormal", i);
+        char what[32];
+        snprintf(what, sizeof what, "solid %d (from 0)", i);
+        SSFR_TRY(ssfr_solid_check(&scene->solids[i], what));
     }
+end:
+    return result;
+}
+
+static uint64_t mix(uint64_t key, const void *bytes, size_t n)
+{
+    for (size_t i = 0; i < n; i++) key = (key ^ ((const unsigned char *)bytes)[i]) * 0x100000001b3u; /* FNV-1a */
+    return key;
+}
+
+/* Of where the map is, its size, and some thousand of its values. */
+static uint64_t environment_key(const ssfr_field *map)
+{
+    enum { N_SAMPLES = 4096 };
+    const size_t n = (size_t)map->w * (size_t)map->h * 3, step = n / N_SAMPLES + 1;
+    const int size[2] = {map->w, map->h};
+    uint64_t key = mix(mix(0xcbf29ce484222325u, size, sizeof size), &map->data, sizeof map->data);
+    for (size_t i = 0; i < n; i += step) key = mix(key, map->data + i, sizeof *map->data);
+    return key ? key : 1;
+}
+
+static ssfr_result check_environment(ssfr_frame *frame, const ssfr_field *map)
+{
+    const uint64_t before = frame->environment_key;
+    frame->environment_key = 0;
+    if (!map) return SSFR_OK;
+    if (map->w < 1 || map->h < 1 || map->w > SSFR_MAX_SIZE || map->h > SSFR_MAX_SIZE || map->c != 3)
+        return ssfr_fail(SSFR_ERR_VALUE, "environment of %d x %d pixels and %d channels: sides go from 1 to %d, with 3 "
+                         "channels", map->w, map->h, map->c, SSFR_MAX_SIZE);
+    const uint64_t key = environment_key(map);
+    for (size_t i = 0; key != before && i < (size_t)map->w * (size_t)map->h * 3; i++)
+        if (!(fabs(map->data[i]) <= (double)FLT_MAX))
+            return ssfr_fail(SSFR_ERR_VALUE, "environment: pixel %zu,%zu is %g", i / 3 % (size_t)map->w,
+                             i / 3 / (size_t)map->w, map->data[i]);
+    frame->environment_key = key;
     return SSFR_OK;
 }
 
-static ssfr_result check_scene(const ssfr_scene *scene)
+static ssfr_result check_scene(ssfr_frame *frame, const ssfr_scene *scene)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_particles *p = scene->particles;
     SSFR_TRY(check_camera(&scene->camera));
     SSFR_TRY(check_solids(scene));
+    SSFR_TRY(check_environment(frame, scene->environment));
     if (isnan(scene->floor))
         return ssfr_fail(SSFR_ERR_VALUE, "floor at %g m: expected a height, or -inf for none", scene->floor);
     if (p && p->n && !(p->radius > 0 && isfinite(p->radius)))
@@ -370,6 +489,7 @@ static void place_eye(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_wor
         frame->rotation[0][k] = camera->right[k], frame->rotation[1][k] = camera->up[k],
         frame->rotation[2][k] = camera->back[k];
     fill_block(&frame->block, scene, world);
+    fill_solids(frame, scene);
 }
 
 /* Formed in double: the difference of two large world coordinates must not pass through a float. */
@@ -385,7 +505,7 @@ ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const
 {
     ssfr_result result = SSFR_OK;
     const ssfr_particles *p = scene->particles;
-    SSFR_TRY(check_scene(scene));
+    SSFR_TRY(check_scene(frame, scene));
     place_eye(frame, scene, world);
     frame->particles = p;
     frame->n_particles = p ? p->n : 0;
@@ -394,6 +514,7 @@ ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const
     SSFR_TRY(reserve(frame, grew));
     for (size_t i = 0; i < frame->n_packets; i++) eye_from_world(frame, p->packets[i].centre, frame->offset[i]);
     count_facts(frame, reach, keep_all);
+    mark_solids(frame);
 end:
     return result;
 }
@@ -402,7 +523,7 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
                                     const double origin[3], double radius, long *grew)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(check_scene(scene));
+    SSFR_TRY(check_scene(frame, scene));
     place_eye(frame, scene, world);
     frame->particles = NULL;
     frame->n_particles = n;
@@ -417,6 +538,7 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     frame->facts.fluid = n > 0;
     frame->facts.nearest = frame->facts.mean = frame->near;
     take_all_tiles(&frame->facts);
+    mark_solids(frame);
 end:
     return result;
 }
@@ -442,6 +564,7 @@ void ssfr_frame_finish(ssfr_frame *frame)
 {
     free(frame->offset);
     free(frame->facts.first), free(frame->facts.count);
-    free(frame->facts.tiles), free(frame->facts.mask);
+    free(frame->facts.tiles), free(frame->facts.mask), free(frame->facts.solids);
+    free(frame->facts.by_solids);
     *frame = (ssfr_frame){0};
 }

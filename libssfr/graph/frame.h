@@ -6,6 +6,10 @@
 #include "base/base.h"
 
 enum { SSFR_TILE = 32 }; /* px at full resolution; divisors of the resolution divide it */
+enum { SSFR_SOLID_WORDS = SSFR_MAX_SOLIDS / 32 }; /* that hold a bit a solid */
+
+/* Which of the frame's solids, a bit each. */
+typedef uint32_t ssfr_solid_set[SSFR_SOLID_WORDS];
 
 /* The scene-wide parameter groups. One line is one group: member, type, rows (in frame.c). */
 #define SSFR_GROUPS(X)               \
@@ -56,8 +60,13 @@ typedef struct ssfr_block {
     double zenith[4];      /* rgb; w: number of solids */
     double horizon[4];     /* rgb; w: near distance, m */
     double floor[4];       /* tile m, light, dark, haze m */
-    double solid[SSFR_MAX_SOLIDS][5][4]; /* centre - eye; three axes with the half extent in w; colour */
+    double map[4];         /* w px, h px of the environment's map; 0: none */
+    /* Centre relative to the eye, of a mesh its middle, w: square of a radius around it that holds the solid, m^2; the
+     * axes with the half extent in w; colour; shape, inner radius and the mesh's first node. */
+    double solid[SSFR_MAX_SOLIDS][6][4];
 } ssfr_block;
+
+typedef enum ssfr_tile_kind { SSFR_TILE_PLAIN, SSFR_TILE_SOLIDS, SSFR_TILE_MESHES, SSFR_N_TILE_KINDS } ssfr_tile_kind;
 
 /* Counted once a frame, on the CPU, from packets: every number is a safe bound. */
 typedef struct ssfr_facts {
@@ -73,6 +82,9 @@ typedef struct ssfr_facts {
     uint32_t *tiles;      /* x + 65536 y each */
     unsigned char *mask;  /* tiles_x tiles_y, scratch */
     double covered;       /* n_tiles over all */
+    ssfr_solid_set *solids; /* a tile's, row by row: bit i says that solid i may be seen in it */
+    uint32_t *by_solids;  /* all tiles, as in `tiles`: first those without, then those with solids, then with meshes */
+    int n_by_solids[SSFR_N_TILE_KINDS];
 } ssfr_facts;
 
 typedef struct ssfr_frame {
@@ -87,6 +99,13 @@ typedef struct ssfr_frame {
     double rotation[3][3];           /* eye from world */
     ssfr_block block;
     ssfr_facts facts;
+    int n_solids;
+    ssfr_solid solids[SSFR_MAX_SOLIDS]; /* the scene's, their centres relative to the eye */
+    int n_meshes;
+    const ssfr_mesh *meshes[SSFR_MAX_SOLIDS]; /* the solids', each once */
+    size_t first_node[SSFR_MAX_SOLIDS];       /* of each mesh, when all their nodes stand in one array */
+    size_t n_nodes, n_triangles;              /* of all meshes */
+    uint64_t environment_key;                 /* of the environment that was found well; 0: none */
     size_t cap_packets, cap_tiles;   /* allocated */
 } ssfr_frame;
 
@@ -106,6 +125,15 @@ void ssfr_frame_sample_host(ssfr_frame *frame, size_t n, const float (*positions
 /* There may be fluid in every tile. Where no particle in view says how far it is, these do (m). */
 void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean);
 void ssfr_frame_finish(ssfr_frame *frame);
+
+/* All solids of the frame. */
+static inline void ssfr_frame_all_solids(const ssfr_frame *frame, ssfr_solid_set out)
+{
+    for (int i = 0; i < SSFR_SOLID_WORDS; i++) {
+        const int n = ssfr_clamp_int(frame->n_solids - 32 * i, 0, 32);
+        out[i] = n == 32 ? UINT32_MAX : (1u << n) - 1;
+    }
+}
 
 /* Eye-space position of particle i, m. */
 static inline void ssfr_frame_eye(const ssfr_frame *frame, size_t i, double out[3])

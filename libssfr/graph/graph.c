@@ -123,23 +123,31 @@ end:
     return result;
 }
 
+ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const char *defines)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_program_row *row = &n->pass->programs[i];
+    if (n->programs[i] && strcmp(n->defines[i], defines) == 0) return SSFR_OK;
+    SSFR_TRY(ssfr_program_get(graph->gl, &n->programs[i], row->vert, row->frag, defines[0] ? defines : row->defines));
+    snprintf(n->defines[i], sizeof n->defines[i], "%s", defines);
+    for (int k = 0; k < n->n_in; k++) {
+        char name[64];
+        snprintf(name, sizeof name, "t_%s", n->pass->inputs[k].name);
+        const int location = glGetUniformLocation(n->programs[i], name);
+        if (location >= 0) glProgramUniform1i(n->programs[i], location, k);
+    }
+    for (int k = 0; n->pass->uniforms && n->pass->uniforms[k].name; k++) {
+        assert(k < SSFR_MAX_UNIFORMS);
+        n->locations[i][k] = glGetUniformLocation(n->programs[i], n->pass->uniforms[k].name);
+    }
+end:
+    return result;
+}
+
 static ssfr_result get_programs(ssfr_graph *graph, node *n)
 {
     ssfr_result result = SSFR_OK;
-    for (int i = 0; n->pass->programs[i].vert; i++) {
-        const ssfr_program_row *row = &n->pass->programs[i];
-        SSFR_TRY(ssfr_program_get(graph->gl, &n->programs[i], row->vert, row->frag, row->defines));
-        for (int k = 0; k < n->n_in; k++) {
-            char name[64];
-            snprintf(name, sizeof name, "t_%s", n->pass->inputs[k].name);
-            const int location = glGetUniformLocation(n->programs[i], name);
-            if (location >= 0) glProgramUniform1i(n->programs[i], location, k);
-        }
-        for (int k = 0; n->pass->uniforms && n->pass->uniforms[k].name; k++) {
-            assert(k < SSFR_MAX_UNIFORMS);
-            n->locations[i][k] = glGetUniformLocation(n->programs[i], n->pass->uniforms[k].name);
-        }
-    }
+    for (int i = 0; n->pass->programs[i].vert; i++) SSFR_TRY(ssfr_node_program(graph, n, i, ""));
 end:
     return result;
 }
@@ -370,9 +378,11 @@ end:
 
 static void destroy_gl(ssfr_graph *graph)
 {
-    unsigned *const buffers[] = {&graph->position, &graph->ids,   &graph->offsets, &graph->tiles,
-                                 &graph->block,    &graph->quads, &graph->samples};
+    unsigned *const buffers[] = {&graph->position,    &graph->ids,             &graph->offsets,   &graph->tiles,
+                                 &graph->solid_tiles, &graph->nodes_of_meshes, &graph->triangles, &graph->block,
+                                 &graph->quads,       &graph->samples,         &graph->tiles_by_solids};
     for (size_t i = 0; i < SSFR_COUNT(buffers); i++) ssfr_buffer_destroy(buffers[i]);
+    ssfr_texture_finish(&graph->environment);
     if (graph->sampler) glDeleteSamplers(1, &graph->sampler);
     ssfr_timers_finish(&graph->timers);
 }

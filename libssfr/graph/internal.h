@@ -45,6 +45,7 @@ typedef struct node {
     int divisor_out[SSFR_MAX_OUTPUTS];             /* of what the node itself writes */
     image scratch[SSFR_MAX_SCRATCH];
     unsigned programs[SSFR_MAX_PROGRAMS];
+    char defines[SSFR_MAX_PROGRAMS][SSFR_DEFINES]; /* that they were made with, beside those of their rows */
     int locations[SSFR_MAX_PROGRAMS][SSFR_MAX_UNIFORMS];
     ssfr_run run;
     ssfr_draw draw;
@@ -74,10 +75,15 @@ struct ssfr_graph {
     bool has_objects; /* of GL */
     /* GL buffers */
     unsigned position, ids, offsets, tiles, block, quads, samples;
+    unsigned solid_tiles, tiles_by_solids, nodes_of_meshes, triangles;
+    ssfr_texture environment;
     unsigned copy;    /* program */
     unsigned sampler; /* for images of the host, whatever their own filters are */
-    size_t cap_offsets, cap_tiles; /* entries */
+    size_t cap_offsets, cap_tiles, cap_solid_tiles, cap_by_solids; /* entries */
     uint64_t serial, id_serial;    /* of the particles that the buffers hold */
+    int n_meshes;
+    uint64_t mesh_serials[SSFR_MAX_SOLIDS]; /* of the meshes that the buffers hold */
+    uint64_t environment_key;      /* of the map that the texture holds */
     ssfr_timers timers;
     long grew;                     /* allocations of the run in progress */
     bool ran;
@@ -92,6 +98,9 @@ SSFR_MUST ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all);
 /* An image of this size and kind; remade only when it differs. */
 SSFR_MUST ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c);
 void ssfr_image_finish(image *im);
+
+/* Makes program i of a node with these lines after #version, or those of its row where they are empty. */
+SSFR_MUST ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const char *defines);
 
 /* The index of a port, -1 when there is none of that name or the name is NULL. */
 int ssfr_port_find(const ssfr_port *ports, const char *name);

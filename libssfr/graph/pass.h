@@ -11,7 +11,8 @@
 #include "base/param.h"
 #include "graph/frame.h"
 
-enum { SSFR_MAX_PORTS = 12, SSFR_MAX_OUTPUTS = 4, SSFR_MAX_SCRATCH = 2, SSFR_MAX_PROGRAMS = 4 };
+enum { SSFR_MAX_PORTS = 12, SSFR_MAX_OUTPUTS = 4, SSFR_MAX_SCRATCH = 2, SSFR_MAX_PROGRAMS = 4,
+       SSFR_DEFINES = 64 /* bytes */ };
 
 typedef enum ssfr_slot_id {
     SSFR_NO_SLOT, /* a port that is not named in a node keeps its own slot */
@@ -104,6 +105,9 @@ struct ssfr_pass {
     void (*cpu_run)(const ssfr_run *run);
 
     ssfr_program_row programs[SSFR_MAX_PROGRAMS + 1];
+    /* Lines after #version in the place of the row's, by what the frame needs of program i; false: it does not run in
+     * this frame. NULL: the row's own lines. */
+    bool (*defines)(const ssfr_run *run, int i, char text[SSFR_DEFINES]);
     const ssfr_uniform *uniforms;
     /* NULL: program 0, once over the outputs. */
     ssfr_result (*gl_run)(const ssfr_run *run);

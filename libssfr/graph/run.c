@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /* run.c: one frame: facts, plan, images, then each node that is left in, on the CPU or the GPU. */
 #include "graph/internal.h"
+#include "scene/mesh.h"
 
 #include <epoxy/gl.h>
 
 /* ---- what the GPU needs once a frame ----------------------------------------------------------------------------- */
 
-static ssfr_result refill(ssfr_graph *graph, unsigned *buffer, size_t size, const void *data)
+static ssfr_result refill(ssfr_graph *graph, unsigned *buffer, size_t n, size_t entry, const void *data,
+                          const char *what)
 {
+    const size_t size = n * entry;
     GLint64 most = 0;
     glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
     if (size > (size_t)most)
-        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%zu particles: shaders of this GPU read %lld of %zu bytes",
-                         graph->frame.n_particles, (long long)most, size);
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%zu %s: shaders of this GPU read %lld of %zu bytes", n, what,
+                         (long long)most, size);
     ssfr_buffer_destroy(buffer);
     graph->grew++;
     return ssfr_buffer_create(graph->gl, buffer, size ? size : 4, size ? data : NULL, false);
@@ -25,7 +28,7 @@ static ssfr_result upload_particles(ssfr_graph *graph)
     const ssfr_particles *p = graph->frame.particles;
     if (!p || p->serial == graph->serial) return SSFR_OK;
     graph->serial = 0;
-    SSFR_TRY(refill(graph, &graph->position, p->n * 3 * sizeof(float), p->position));
+    SSFR_TRY(refill(graph, &graph->position, p->n, 3 * sizeof(float), p->position, "particles"));
     graph->serial = p->serial;
 end:
     return result;
@@ -37,11 +40,91 @@ static ssfr_result upload_ids(ssfr_graph *graph)
     const ssfr_particles *p = graph->frame.particles;
     if (!p || !p->id || p->serial == graph->id_serial) return SSFR_OK;
     graph->id_serial = 0;
-    SSFR_TRY(refill(graph, &graph->ids, p->n * sizeof *p->id, p->id));
+    SSFR_TRY(refill(graph, &graph->ids, p->n, sizeof *p->id, p->id, "particles"));
     graph->id_serial = p->serial;
 end:
     return result;
 }
+
+/* ---- solids and environment -------------------------------------------------------------------------------------- */
+
+enum { MAX_NODES = 1 << 24 }; /* a float in the frame's block says where a mesh begins */
+
+typedef float mesh_triangle[3][4]; /* corners relative to the mesh's middle; w: the normal */
+
+/* All meshes, one after the other: their indices begin anew with each, and are made to count from the first. */
+static void join_meshes(const ssfr_frame *f, ssfr_mesh_node *nodes, mesh_triangle *triangles)
+{
+    uint32_t first_triangle = 0;
+    for (int m = 0; m < f->n_meshes; m++) {
+        const ssfr_mesh *mesh = f->meshes[m];
+        const uint32_t first_node = (uint32_t)f->first_node[m];
+        for (size_t i = 0; i < mesh->n_nodes; i++) {
+            ssfr_mesh_node *node = nodes + first_node + i;
+            *node = mesh->nodes[i];
+            node->skip += first_node;
+            if (node->leaf) node->leaf += 8 * first_triangle;
+        }
+        for (size_t i = 0; i < mesh->n_triangles; i++)
+            for (int k = 0; k < 3; k++) {
+                float *to = triangles[first_triangle + i][k];
+                for (int j = 0; j < 3; j++) to[j] = (float)(mesh->triangles[i].corner[k][j] - mesh->middle[j]);
+                to[3] = (float)mesh->triangles[i].normal[k];
+            }
+        first_triangle += (uint32_t)mesh->n_triangles;
+    }
+}
+
+static bool has_meshes(const ssfr_graph *graph)
+{
+    bool same = graph->n_meshes == graph->frame.n_meshes;
+    for (int m = 0; m < graph->frame.n_meshes && same; m++)
+        same = graph->mesh_serials[m] == graph->frame.meshes[m]->serial;
+    return same;
+}
+
+/* Meshes are uploaded once: until others come. How they stand does not matter. */
+static ssfr_result upload_meshes(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_frame *f = &graph->frame;
+    ssfr_mesh_node *nodes = NULL;
+    mesh_triangle *triangles = NULL;
+    if (has_meshes(graph) || f->n_meshes == 0) return SSFR_OK;
+    if (f->n_nodes > MAX_NODES)
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%zu nodes of meshes: at most %d", f->n_nodes, MAX_NODES);
+    graph->n_meshes = 0;
+    SSFR_TRY(ssfr_alloc(&nodes, f->n_nodes, sizeof *nodes, "meshes"));
+    SSFR_TRY(ssfr_alloc(&triangles, f->n_triangles, sizeof *triangles, "meshes"));
+    join_meshes(f, nodes, triangles);
+    SSFR_TRY(refill(graph, &graph->nodes_of_meshes, f->n_nodes, sizeof *nodes, nodes, "nodes of meshes"));
+    SSFR_TRY(refill(graph, &graph->triangles, f->n_triangles, sizeof *triangles, triangles, "triangles"));
+    graph->n_meshes = f->n_meshes;
+    for (int m = 0; m < f->n_meshes; m++) graph->mesh_serials[m] = f->meshes[m]->serial;
+end:
+    free(nodes), free(triangles);
+    return result;
+}
+
+static ssfr_result upload_environment(ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_field *map = graph->frame.scene->environment;
+    ssfr_texture *to = &graph->environment;
+    if (!map || graph->environment_key == graph->frame.environment_key) return SSFR_OK;
+    graph->environment_key = 0;
+    if (to->w != map->w || to->h != map->h) {
+        ssfr_texture_finish(to);
+        SSFR_TRY(ssfr_texture_create(graph->gl, to, map->w, map->h, 3));
+        graph->grew++;
+    }
+    SSFR_TRY(ssfr_texture_write(to, map));
+    graph->environment_key = graph->frame.environment_key;
+end:
+    return result;
+}
+
+/* ---- the frame's buffers ----------------------------------------------------------------------------------------- */
 
 static ssfr_result grow(ssfr_graph *graph, unsigned *buffer, size_t *cap, size_t n, size_t entry)
 {
@@ -99,16 +182,25 @@ static ssfr_result upload_frame(ssfr_graph *graph)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_frame *f = &graph->frame;
+    const size_t n_tiles = (size_t)f->facts.tiles_x * (size_t)f->facts.tiles_y;
     SSFR_TRY(sample_host(graph));
     SSFR_TRY(upload_particles(graph));
+    SSFR_TRY(upload_meshes(graph));
+    SSFR_TRY(upload_environment(graph));
     SSFR_TRY(grow(graph, &graph->offsets, &graph->cap_offsets, f->n_packets, 4 * sizeof(float)));
-    SSFR_TRY(grow(graph, &graph->tiles, &graph->cap_tiles, (size_t)f->facts.tiles_x * (size_t)f->facts.tiles_y,
-                  sizeof *f->facts.tiles));
+    SSFR_TRY(grow(graph, &graph->tiles, &graph->cap_tiles, n_tiles, sizeof *f->facts.tiles));
+    SSFR_TRY(grow(graph, &graph->solid_tiles, &graph->cap_solid_tiles, n_tiles, sizeof *f->facts.solids));
+    SSFR_TRY(grow(graph, &graph->tiles_by_solids, &graph->cap_by_solids, n_tiles, sizeof *f->facts.by_solids));
     write_floats(graph->block, sizeof f->block / sizeof(double), 1, 1, (const double *)&f->block);
     write_floats(graph->offsets, f->n_packets, 3, 4, (const double *)f->offset);
     if (f->facts.n_tiles)
         glNamedBufferSubData(graph->tiles, 0, (GLsizeiptr)((size_t)f->facts.n_tiles * sizeof *f->facts.tiles),
                              f->facts.tiles);
+    if (f->n_solids) {
+        glNamedBufferSubData(graph->solid_tiles, 0, (GLsizeiptr)(n_tiles * sizeof *f->facts.solids), f->facts.solids);
+        glNamedBufferSubData(graph->tiles_by_solids, 0, (GLsizeiptr)(n_tiles * sizeof *f->facts.by_solids),
+                             f->facts.by_solids);
+    }
 end:
     return result;
 }
@@ -224,6 +316,12 @@ static void bind_shared(const ssfr_graph *graph)
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_OFFSET, graph->offsets);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_TILES, graph->tiles);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_ID, graph->ids ? graph->ids : graph->offsets);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_SOLID_TILES, graph->solid_tiles);
+    const bool meshes = graph->n_meshes > 0;
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_NODES, meshes ? graph->nodes_of_meshes : graph->offsets);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_TRIANGLES, meshes ? graph->triangles : graph->offsets);
+    glBindTextureUnit(SSFR_UNIT_ENVIRONMENT, graph->environment_key ? graph->environment.name : 0);
+    glBindSampler(SSFR_UNIT_ENVIRONMENT, 0);
 }
 
 static ssfr_result fill_draw(ssfr_graph *graph, node *n)
@@ -232,7 +330,7 @@ static ssfr_result fill_draw(ssfr_graph *graph, node *n)
     ssfr_draw *draw = &n->draw;
     *draw = (ssfr_draw){.gl = graph->gl, .n_out = n->n_out, .programs = n->programs,
                         .whole_screen = n->pass->whole_screen, .stride = 3, .quads = graph->quads,
-                        .copy = graph->copy, .sampler = graph->sampler};
+                        .copy = graph->copy, .sampler = graph->sampler, .tiles_by_solids = graph->tiles_by_solids};
     if (graph->host.buffer) draw->stride = (int)graph->host.stride, draw->first = (int)graph->host.first;
     for (int k = 0; k < n->n_out; k++) {
         draw->out[k] = &graph->resources[n->out[k]].own.texture;
@@ -251,6 +349,16 @@ end:
     return result;
 }
 
+static ssfr_result fit_programs(ssfr_graph *graph, node *n)
+{
+    ssfr_result result = SSFR_OK;
+    char text[SSFR_DEFINES];
+    for (int i = 0; n->pass->programs[i].vert && n->pass->defines; i++)
+        if (n->pass->defines(&n->run, i, text)) SSFR_TRY(ssfr_node_program(graph, n, i, text));
+end:
+    return result;
+}
+
 static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
 {
     ssfr_result result = SSFR_OK;
@@ -259,6 +367,7 @@ static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
     if (n->pass->uses_ids) SSFR_TRY(upload_ids(graph));
     bind_shared(graph);
     SSFR_TRY(fill_draw(graph, n));
+    SSFR_TRY(fit_programs(graph, n));
     for (int i = 0; n->pass->programs[i].vert; i++) set_uniforms(n, i);
     if (n->pass->gl_run) SSFR_TRY(n->pass->gl_run(&n->run));
     else SSFR_TRY(ssfr_draw_screen(&n->run, n->programs[0], n->n_out, n->draw.out));
@@ -390,7 +499,7 @@ static double image_bytes(const ssfr_graph *graph)
         bytes += bytes_of(&graph->resources[i].own) + bytes_of(&graph->resources[i].given);
     for (int i = 0; i < graph->n_nodes; i++)
         for (int k = 0; k < SSFR_MAX_SCRATCH; k++) bytes += bytes_of(&graph->nodes[i].scratch[k]);
-    return bytes;
+    return bytes + (double)sizeof(float) * 4 * graph->environment.w * graph->environment.h;
 }
 
 ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene, const ssfr_run_options *options)

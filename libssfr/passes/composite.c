@@ -4,6 +4,7 @@
  *     a = c_fluid + (S(x + beta n_x, y + beta n_y) - c_fluid) e^-T,   beta = gamma T,
  *     C = a (1 - F) + b F + k_s (n . h)^alpha. */
 #include "passes/composite.h"
+#include "passes/environment.h"
 
 typedef struct composite_params {
     int fresnel, refraction, reject, reflection, attenuation_form;
@@ -24,7 +25,7 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_REAL(composite_params, gamma, "1/m", 0.1, 0, 1e3, "shift in image heights a metre of thickness"),
     SSFR_PARAM_FLAG(composite_params, reject, 1, "do not refract what stands before the water"),
     SSFR_PARAM_CHOICE(composite_params, reflection, reflections, SSFR_REFLECTION_SKY,
-                      "reflect the sky alone, as an environment map does, or floor and boxes too"),
+                      "reflect the sky alone, as an environment map does, or floor and solids too"),
     {"attenuation", SSFR_CHOICE, "1",
      "Beer-Lambert by colour with medium.absorption, or e^(-k T) with one k (eq. 2.18)",
      offsetof(composite_params, attenuation_form), SSFR_ATTENUATION_BEER, 0, 0, attenuations},
@@ -59,6 +60,16 @@ static void derive(const ssfr_run *run, void *coeffs)
         .reject = p->reject, .reflection = p->reflection, .single = p->attenuation_form == SSFR_ATTENUATION_SINGLE};
 }
 
+/* Without solids where none is reflected. */
+static bool defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
+{
+    const ssfr_composite_coeffs *c = run->coeffs;
+    const bool solids = c->reflection == SSFR_REFLECTION_SCENE;
+    (void)i;
+    ssfr_environment_defines(run->frame, solids, solids, text);
+    return true;
+}
+
 const ssfr_pass ssfr_composite = {
     .name = "composite",
     .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (eqs 2.18, 2.19)",
@@ -76,6 +87,7 @@ const ssfr_pass ssfr_composite = {
     .needless = SSFR_NO_FLUID ": the picture is the scene",
     .cpu_run = ssfr_composite_cpu,
     .programs = {{"tiles.vert", "composite.frag", NULL}},
+    .defines = defines,
     .uniforms = uniforms,
     .tolerance = {.abs = 1e-3, .rel = 1e-3, .outliers = 0.01},
 };

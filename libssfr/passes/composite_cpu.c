@@ -72,13 +72,15 @@ static void attenuate(const shading *s, double color[3])
 static void reflected(const shading *s, double out[3])
 {
     double mirror[3], dir[3], origin[3];
+    ssfr_solid_set solids;
     const double turn = 2 * ssfr_dot(s->n, s->view);
     for (int k = 0; k < 3; k++) mirror[k] = turn * s->n[k] - s->view[k];
     ssfr_world_from_eye(s->block, mirror, dir);
     ssfr_world_from_eye(s->block, s->position, origin);
     ssfr_normalize(dir);
-    if (s->c->reflection == SSFR_REFLECTION_SKY) ssfr_environment_sky(s->block, dir, out);
-    else ssfr_environment_trace(s->block, origin, dir, out);
+    ssfr_frame_all_solids(s->run->frame, solids);
+    if (s->c->reflection == SSFR_REFLECTION_SKY) ssfr_environment_sky(s->run->frame, dir, out);
+    else ssfr_environment_trace(s->run->frame, solids, origin, dir, out);
 }
 
 static double highlight(const shading *s)

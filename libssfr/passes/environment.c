@@ -1,11 +1,43 @@
 /* SPDX-License-Identifier: MIT */
-/* environment.c: sky, chequered floor and boxes, for any ray: the twin of shaders/environment.glsl. */
+/* environment.c: sky or a map of it, chequered floor and solids, for any ray: the twin of shaders/environment.glsl. */
 #include "passes/environment.h"
 
-void ssfr_environment_sky(const ssfr_block *block, const double dir[3], double color[3])
+#include "scene/solid.h"
+
+static const double pi = 3.14159265358979323846;
+
+static const double *map_texel(const ssfr_field *map, int x, int y)
 {
-    const double t = sqrt(fmax(dir[1], 0));
-    for (int k = 0; k < 3; k++) color[k] = ssfr_mix(block->horizon[k], block->zenith[k], t);
+    return ssfr_field_at(map, (x + map->w) % map->w, ssfr_clamp_int(y, 0, map->h - 1));
+}
+
+/* Between four texels: around the globe they close up, at the poles they end. */
+static void map_at(const ssfr_field *map, const double dir[3], double color[3])
+{
+    const double rho = sqrt(dir[0] * dir[0] + dir[2] * dir[2]);
+    const double u = (0.5 - atan2(dir[0], dir[2]) / (2 * pi)) * map->w - 0.5;
+    const double v = atan2(rho, dir[1]) / pi * map->h - 0.5;
+    const double a = u - floor(u), b = v - floor(v);
+    const int x = (int)floor(u), y = (int)floor(v);
+    for (int k = 0; k < 3; k++)
+        color[k] = ssfr_mix(ssfr_mix(map_texel(map, x, y)[k], map_texel(map, x + 1, y)[k], a),
+                            ssfr_mix(map_texel(map, x, y + 1)[k], map_texel(map, x + 1, y + 1)[k], a), b);
+}
+
+static bool has_floor(const ssfr_block *b)
+{
+    return b->right[3] > -SSFR_SURFACE;
+}
+
+/* Below the horizon, the horizon's; the map's own without a floor. */
+void ssfr_environment_sky(const ssfr_frame *frame, const double dir[3], double color[3])
+{
+    const ssfr_block *b = &frame->block;
+    const double t = sqrt(fmax(dir[1], 0)), level[3] = {dir[0], has_floor(b) ? fmax(dir[1], 0) : dir[1], dir[2]};
+    if (frame->scene->environment)
+        map_at(frame->scene->environment, level, color);
+    else
+        for (int k = 0; k < 3; k++) color[k] = ssfr_mix(b->horizon[k], b->zenith[k], t);
 }
 
 static double lambert(const ssfr_block *b, const double normal[3])
@@ -25,49 +57,44 @@ static double floor_shade(const ssfr_block *b, double x, double z, double footpr
     return (mean + (odd ? -side : side) * contrast) * lambert(b, upwards);
 }
 
-static double enter_solid(const double solid[5][4], const double origin[3], const double dir[3], double normal[3])
-{
-    double enter = -SSFR_EMPTY, leave = SSFR_EMPTY;
-    double to[3];
-    for (int k = 0; k < 3; k++) to[k] = solid[0][k] - origin[k], normal[k] = 0;
-    for (int k = 0; k < 3; k++) {
-        const double *axis = solid[1 + k], half = axis[3];
-        const double d = ssfr_dot(dir, axis), c = ssfr_dot(to, axis), side = d > 0 ? 1 : -1;
-        if (d == 0) {
-            if (fabs(c) > half) leave = -SSFR_EMPTY;
-            continue;
-        }
-        if ((c - side * half) / d > enter) {
-            enter = (c - side * half) / d;
-            for (int j = 0; j < 3; j++) normal[j] = -side * axis[j];
-        }
-        leave = fmin(leave, (c + side * half) / d);
-    }
-    return enter < leave && enter > 0 ? enter : -1;
-}
-
 static const double HAZES = 16;
 
-double ssfr_environment_trace(const ssfr_block *b, const double origin[3], const double dir[3], double color[3])
+/* Nothing is left of the floor beyond HAZES times the haze: it ends there, before a float has no digits left. */
+static double meet_floor(const ssfr_block *b, const double origin[3], const double dir[3], double color[3])
 {
-    double t = SSFR_EMPTY, unit[3] = {dir[0], dir[1], dir[2]}, normal[3];
-    const double length = sqrt(ssfr_dot(dir, dir));
-    const double floor_t = (b->right[3] - origin[1]) / dir[1];
+    const double t = (b->right[3] - origin[1]) / dir[1], length = sqrt(ssfr_dot(dir, dir));
+    if (!(has_floor(b) && dir[1] != 0 && t > 0 && t * length < HAZES * b->floor[3])) return SSFR_EMPTY;
+    const double footprint = t * b->image[3] * ssfr_dot(dir, dir) / fmax(fabs(dir[1]), 1e-6);
+    const double shade = floor_shade(b, origin[0] + t * dir[0], origin[2] + t * dir[2], footprint);
+    const double clear = exp(-t * length / b->floor[3]);
+    for (int k = 0; k < 3; k++) color[k] = ssfr_mix(color[k], shade, clear);
+    return t;
+}
+
+double ssfr_environment_trace(const ssfr_frame *frame, const ssfr_solid_set solids, const double origin[3],
+                              const double dir[3], double color[3])
+{
+    const ssfr_block *b = &frame->block;
+    double unit[3] = {dir[0], dir[1], dir[2]}, normal[3];
     ssfr_normalize(unit);
-    ssfr_environment_sky(b, unit, color);
-    /* Nothing is left of the floor beyond HAZES times the haze: it ends there, before a float has no digits left. */
-    if (b->right[3] > -SSFR_SURFACE && dir[1] != 0 && floor_t > 0 && floor_t * length < HAZES * b->floor[3]) {
-        t = floor_t;
-        const double footprint = t * b->image[3] * ssfr_dot(dir, dir) / fmax(fabs(dir[1]), 1e-6);
-        const double shade = floor_shade(b, origin[0] + t * dir[0], origin[2] + t * dir[2], footprint);
-        const double clear = exp(-t * length / b->floor[3]);
-        for (int k = 0; k < 3; k++) color[k] = ssfr_mix(color[k], shade, clear);
-    }
-    for (int i = 0; i < (int)b->zenith[3]; i++) {
-        const double hit = enter_solid(b->solid[i], origin, dir, normal);
+    ssfr_environment_sky(frame, unit, color);
+    double t = meet_floor(b, origin, dir, color);
+    for (int i = 0; i < frame->n_solids; i++) {
+        if (!(solids[i / 32] >> i % 32 & 1)) continue;
+        const double hit = ssfr_solid_enter(&frame->solids[i], origin, dir, normal);
         if (!(hit > 0 && hit < t)) continue;
         t = hit;
         for (int k = 0; k < 3; k++) color[k] = b->solid[i][4][k] * lambert(b, normal);
     }
     return t;
+}
+
+void ssfr_environment_defines(const ssfr_frame *frame, bool solids, bool meshes, char text[SSFR_DEFINES])
+{
+    bool shapes = false;
+    for (int i = 0; i < frame->n_solids; i++)
+        shapes |= frame->solids[i].shape != SSFR_BOX && frame->solids[i].shape != SSFR_MESH;
+    const bool any = solids && frame->n_solids > 0;
+    const int level = any && meshes && frame->n_meshes ? 3 : any && shapes ? 2 : any ? 1 : 0;
+    snprintf(text, SSFR_DEFINES, "#define SOLIDS %d\n#define MAP %d\n", level, frame->scene->environment != NULL);
 }

@@ -1,15 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* environment.h: sky, chequered floor and boxes, for any ray: the twin of shaders/environment.glsl. */
+/* environment.h: sky or a map of it, chequered floor and solids, for any ray: the twin of shaders/environment.glsl. */
 #ifndef SSFR_ENVIRONMENT_H
 #define SSFR_ENVIRONMENT_H
 
-#include "graph/frame.h"
+#include "graph/pass.h"
 
-/* Radiance of the sky in a unit world direction. */
-void ssfr_environment_sky(const ssfr_block *block, const double dir[3], double color[3]);
+/* Radiance of the sky, or of its map, in a unit world direction. */
+void ssfr_environment_sky(const ssfr_frame *frame, const double dir[3], double color[3]);
 
-/* Radiance along origin + t dir (relative to the eye, world axes); gives t of the hit, SSFR_EMPTY for the sky. */
-double ssfr_environment_trace(const ssfr_block *block, const double origin[3], const double dir[3], double color[3]);
+/* Radiance along origin + t dir (relative to the eye, world axes) of the floor, these of the solids, and the sky; gives
+ * t of the hit, SSFR_EMPTY for the sky. */
+double ssfr_environment_trace(const ssfr_frame *frame, const ssfr_solid_set solids, const double origin[3],
+                              const double dir[3], double color[3]);
+
+/* The lines before shaders/environment.glsl for a frame: which shapes, and whether a map. */
+void ssfr_environment_defines(const ssfr_frame *frame, bool solids, bool meshes, char text[SSFR_DEFINES]);
 
 static inline void ssfr_world_from_eye(const ssfr_block *b, const double v[3], double out[3])
 {

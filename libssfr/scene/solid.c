@@ -14,12 +14,17 @@ static bool all_finite(const double v[3])
 bool ssfr_axes_are_orthonormal(const double x[3], const double y[3], const double z[3])
 {
     const double *axes[3] = {x, y, z};
-    double across[3];
     bool ok = true;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k <= i; k++) ok &= fabs(ssfr_dot(axes[i], axes[k]) - (i == k)) < 1e-4; /* false for NaN */
-    ssfr_cross(x, y, across);
-    return ok && ssfr_dot(across, z) > 0;
+    return ok;
+}
+
+static bool are_right_handed(const double axis[3][3])
+{
+    double across[3];
+    ssfr_cross(axis[0], axis[1], across);
+    return ssfr_dot(across, axis[2]) > 0;
 }
 
 /* How many of the half extents a shape has. */
@@ -50,7 +55,8 @@ ssfr_result ssfr_solid_check(const ssfr_solid *s, const char *what)
     if (s->shape == SSFR_MESH && !s->mesh) return ssfr_fail(SSFR_ERR_VALUE, "%s: no mesh is given", what);
     if (!all_finite(s->centre) || !all_finite(s->colour))
         return ssfr_fail(SSFR_ERR_VALUE, "%s: centre and colour must be finite", what);
-    if (!ssfr_axes_are_orthonormal(s->axis[0], s->axis[1], s->axis[2]))
+    if (!ssfr_axes_are_orthonormal(s->axis[0], s->axis[1], s->axis[2]) ||
+        !are_right_handed((const double(*)[3])s->axis))
         return ssfr_fail(SSFR_ERR_VALUE, "%s: its axes are not orthonormal and right-handed", what);
     return check_shape(s, what);
 }

@@ -5,7 +5,7 @@
 
 #include "base/base.h"
 
-/* Unit vectors at right angles, right-handed, as exact as a caller's floats can make them. */
+/* Unit vectors at right angles, as exact as a caller's floats can make them. */
 bool ssfr_axes_are_orthonormal(const double x[3], const double y[3], const double z[3]);
 
 /* Malformed solids are refused in one line that begins with `what`. */
