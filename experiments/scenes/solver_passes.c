@@ -80,7 +80,7 @@ static void list_cell(ssfr_solver *solver, size_t cell, size_t *used)
         }
         solver->list_begin[i] = begin;
         solver->list_end[i] = (uint32_t)n;
-        if (begin + n <= solver->listed_capacity) memcpy(solver->listed + begin, list, n * sizeof *list);
+        if (n > 0 && begin + n <= solver->listed_capacity) memcpy(solver->listed + begin, list, n * sizeof *list);
     }
 }
 
