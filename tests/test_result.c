@@ -53,6 +53,27 @@ static void log_gets_level_place_and_text(void **state)
     assert_int_equal(test_capture_log(NULL), 0);
 }
 
+static void lines_of_the_log_say_what_they_are_about(void **state)
+{
+    (void)state;
+    heard h = {0};
+    char about[400];
+    ssfr_log_to(hear, &h);
+    ssfr_log_about("waves, frame 17");
+    assert_int_equal(ssfr_fail(SSFR_ERR_VALUE, "particle %d", 23), SSFR_ERR_VALUE);
+    assert_string_equal(h.text, "waves, frame 17: particle 23");
+    memset(about, 'x', sizeof about - 1);
+    about[sizeof about - 1] = '\0';
+    ssfr_log_about(about); /* leaves room for the line itself */
+    ssfr_log(SSFR_INFO, "particle %d", 23);
+    assert_string_equal(h.text + 256, ": particle 23");
+    ssfr_log_about(NULL);
+    ssfr_log(SSFR_INFO, "particle %d", 23);
+    assert_string_equal(h.text, "particle 23");
+    ssfr_log_to(NULL, NULL);
+    assert_int_equal(test_capture_log(NULL), 0);
+}
+
 static void a_text_too_long_for_the_log_is_cut(void **state)
 {
     (void)state;
@@ -261,6 +282,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_code_has_a_text_of_its_own),
         cmocka_unit_test(log_gets_level_place_and_text),
+        cmocka_unit_test(lines_of_the_log_say_what_they_are_about),
         cmocka_unit_test(a_text_too_long_for_the_log_is_cut),
         cmocka_unit_test(default_log_prints_errors_and_warnings_alone),
         cmocka_unit_test(memory_comes_zeroed_even_for_nothing),

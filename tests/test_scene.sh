@@ -189,6 +189,17 @@ refuses 'a frame of a shape' 'block: has no frames' render block -o a.png $small
 refuses 'frames of a shape' 'block: has no frames' render block -o 'a_%d.png' $small --frames :
 refuses 'a camera that is not there' 'top' render $tiny -o a.png $small --camera top
 refuses 'a camera of a shape' 'block has no cameras' render block -o a.png $small --camera top
+accepts 'a picture to take as the sky' render block -o sky.exr $small
+{ cat tiny.yaml; echo 'environment: sky.exr'; } >sky.yaml
+accepts 'a scene has a sky of its own' render sky.yaml --scale full -o sky_2.exr $small --frame 2
+accepts 'that is seen' compare sky_2.exr two.exr --require 'max_abs>0' --require Z.max_abs==0
+{ cat tiny.yaml; echo 'background: sky.exr'; } >behind.yaml
+accepts 'a scene has a picture behind it' render behind.yaml --scale full -o behind.exr $small --frame 2
+accepts 'that is seen too' compare behind.exr two.exr --require 'max_abs>0'
+refuses 'of one size' 'sky.exr: 64x48 pixels, the image has 32x24: add --size 64x48' \
+    render behind.yaml --scale full -o a.exr --size 32x24 --backend cpu --frame 2
+accepts 'the user may have another' render behind.yaml --scale full -o mine.exr $small --frame 2 --background two.exr
+accepts 'which counts for more' compare mine.exr behind.exr --require 'max_abs>0'
 accepts 'a sweep over a scene' sweep --scene tiny.yaml --scale full --frame 2 --size 32x24 --backend cpu \
     --max-time 0.05 --vary curvature_flow.iterations=1,4 -o s.csv
 that 'has its rows' [ "$(grep -c ',ok,' s.csv)" -eq 2 ]
