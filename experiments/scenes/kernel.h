@@ -31,10 +31,12 @@ static inline ssfr_lanes ssfr_kernel_value(const ssfr_kernel *kernel, ssfr_lanes
     return kernel->value * (2 * u * u * u - 8 * v * v * v);
 }
 
-/* V W'(r), 1/m: the gradient of V W at x_i is this along (x_i - x_j) / r. */
+/* V W'(r), 1/m: the gradient of V W at x_i is this along (x_i - x_j) / r. Inside of q = 1/3, where W' is steepest, it
+ * stays what it is there: with the spline's own, particles that have come close would not part again (Thomas and
+ * Couchman 1992). Particles at rest are at q = 0.46. */
 static inline ssfr_lanes ssfr_kernel_slope(const ssfr_kernel *kernel, ssfr_lanes r)
 {
-    const ssfr_lanes q = r * kernel->per_support;
+    const ssfr_lanes q = 1.0f / 3 + ssfr_lanes_positive(r * kernel->per_support - 1.0f / 3);
     const ssfr_lanes u = ssfr_lanes_positive(1 - q), v = ssfr_lanes_positive(0.5f - q);
     return kernel->slope * (24 * v * v - 6 * u * u);
 }
