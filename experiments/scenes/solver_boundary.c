@@ -2,7 +2,8 @@
 /* solver_boundary.c: walls of the domain and obstacles, as planes through the points of them that are nearest. */
 #include "experiments/scenes/solver_internal.h"
 
-#define TOUCHING 1.0 /* radii, below which there is friction */
+#define TOUCHING 1.0 /* radii from a surface, below which there is friction */
+#define LEAVING 0.1  /* radii a step, that a particle put too close to a surface is moved away */
 #define SAME 0.9     /* cosine between the normals of surfaces that are taken for one */
 
 /* An obstacle in this step. */
@@ -47,26 +48,21 @@ static void to_world(const ssfr_solver *solver, ssfr_lanes x, double out[3])
     for (int k = 0; k < 3; k++) out[k] = solver->origin[k] + (double)x[k];
 }
 
-static void to_local(const ssfr_solver *solver, const double world[3], ssfr_lanes *x)
-{
-    for (int k = 0; k < 3; k++) (*x)[k] = (float)(world[k] - solver->origin[k]);
-}
-
 /* ---- finding ------------------------------------------------------------------------------------------------------ */
 
 typedef struct finding {
-    const ssfr_solver *solver;
     const moving *obstacles;
     int n_obstacles;
-    double reach; /* m, from which a surface is not felt */
+    double reach;   /* m, from which a surface is not felt */
     double closest; /* m */
+    double rate;    /* m, that a particle found too close is moved away, a step */
     int n;
     ssfr_contact found[SSFR_MAX_CONTACTS];
     double distance[SSFR_MAX_CONTACTS];
 } finding;
 
 /* Of surfaces that face the same way only the nearest is felt: a box that stands on the floor adds no second floor. */
-static void add(finding *f, const double normal[3], const double on[3], double distance, int obstacle)
+static void add(finding *f, const double normal[3], const double on[3], double distance, double keep, int obstacle)
 {
     int at = f->n;
     for (int c = 0; c < f->n; c++) {
@@ -76,71 +72,76 @@ static void add(finding *f, const double normal[3], const double on[3], double d
     if (at < f->n && f->distance[at] <= distance) return;
     if (at == SSFR_MAX_CONTACTS) return;
     f->found[at] = (ssfr_contact){{(float)normal[0], (float)normal[1], (float)normal[2]},
-                                  (float)-ssfr_dot(normal, on), obstacle};
+                                  (float)-ssfr_dot(normal, on), (float)keep, obstacle};
     f->distance[at] = distance;
     if (at == f->n) f->n++;
 }
 
-/* Walls around the place where particle i is going. One that begins outside is put on the wall, without a velocity. */
+/* A particle that begins the step too close to a surface or behind it was put there. It is moved, not thrown: by what
+ * this returns (m), without a velocity; out at once, but then slowly. *keep is how near it may come in this step. */
+static double make_room(const finding *f, double begin, double *keep)
+{
+    const double shift = begin < f->closest ? fmin(fmax(-begin, 0) + f->rate, f->closest - begin) : 0;
+    *keep = fmin(begin + shift, f->closest);
+    return shift;
+}
+
+/* Walls around the place where particle i is going. */
 static void find_walls(finding *f, ssfr_solver *solver, size_t i)
 {
     for (int k = 0; k < 3; k++)
         for (int side = 0; side < 2; side++) {
             const double wall = side ? solver->hi[k] : solver->lo[k], out = side ? -1 : 1;
             if (solver->setup.open[2 * k + side]) continue;
-            const double begin = out * ((double)solver->x[i][k] - wall);
-            if (begin < 0) solver->x[i][k] = (float)(wall + out * f->closest);
+            double keep;
+            const double shift = make_room(f, out * ((double)solver->x[i][k] - wall), &keep);
+            if (shift > 0) solver->x[i][k] = (float)((double)solver->x[i][k] + out * shift);
             const double distance = out * ((double)solver->x[i][k] + (double)solver->moved[i][k] - wall);
             if (distance >= f->reach) continue;
             double normal[3] = {0}, on[3] = {0};
             normal[k] = out;
             on[k] = wall;
-            add(f, normal, on, distance, -1);
+            add(f, normal, on, distance, keep, -1);
         }
+}
+
+static void shift_by(double at[3], double distance, const double normal[3])
+{
+    for (int k = 0; k < 3; k++) at[k] += distance * normal[k];
 }
 
 /* The contact with an obstacle near which particle i goes. Solids move; in the frame of the solid at the step's end the
  * particle goes from where the solid has carried its place to where it is predicted, and is stopped where it enters. */
 static void find_obstacle(finding *f, ssfr_solver *solver, size_t i, int o)
 {
-    const ssfr_obstacle *obstacle = f->obstacles[o].obstacle;
-    double from[3], to[3], path[3], normal[3], on[3];
+    const ssfr_solid *solid = &f->obstacles[o].obstacle->now;
+    double from[3], to[3], path[3], normal[3], enter[3], on[3], keep = f->closest;
     to_world(solver, solver->x[i], from);
     to_world(solver, solver->x[i] + solver->moved[i], to);
-    if (!f->obstacles[o].still) carry(obstacle, from, from);
+    if (!f->obstacles[o].still) carry(f->obstacles[o].obstacle, from, from);
     for (int k = 0; k < 3; k++) path[k] = to[k] - from[k];
-    double distance = ssfr_solid_distance(&obstacle->now, to, normal);
-    for (int k = 0; k < 3; k++) on[k] = to[k] - distance * normal[k];
-    const double length = sqrt(ssfr_dot(path, path));
-    if (distance < length) { /* it may have come through the surface */
-        double begin_normal[3];
-        const double begin = ssfr_solid_distance(&obstacle->now, from, begin_normal);
-        if (begin < 0) { /* it was inside before: out, without a velocity */
-            double world[3];
-            to_world(solver, solver->x[i], world);
-            for (int k = 0; k < 3; k++) world[k] += (f->closest - begin) * begin_normal[k];
-            to_local(solver, world, &solver->x[i]);
-            for (int k = 0; k < 3; k++) {
-                on[k] = from[k] - begin * begin_normal[k];
-                normal[k] = begin_normal[k];
-                to[k] += (f->closest - begin) * begin_normal[k];
-            }
-        } else {
-            double enter_normal[3];
-            const double t = ssfr_solid_enter(&obstacle->now, from, path, enter_normal);
-            if (t >= 0 && t <= 1)
-                for (int k = 0; k < 3; k++) {
-                    on[k] = from[k] + t * path[k];
-                    normal[k] = enter_normal[k];
-                }
+    double distance = ssfr_solid_distance(solid, to, normal), t = -1;
+    if (distance < sqrt(ssfr_dot(path, path)) + f->closest) { /* it may have come through the surface, or begun there */
+        const double shift = make_room(f, ssfr_solid_distance(solid, from, enter), &keep);
+        if (shift > 0) {
+            for (int k = 0; k < 3; k++) solver->x[i][k] += (float)(shift * enter[k]);
+            shift_by(from, shift, enter);
+            shift_by(to, shift, enter);
+            distance = ssfr_solid_distance(solid, to, normal);
         }
-        distance = 0;
-        for (int k = 0; k < 3; k++) distance += normal[k] * (to[k] - on[k]);
+        t = ssfr_solid_enter(solid, from, path, enter);
     }
-    if (distance < f->reach) {
-        for (int k = 0; k < 3; k++) on[k] -= solver->origin[k];
-        add(f, normal, on, distance, o);
+    memcpy(on, to, sizeof on);
+    shift_by(on, -distance, normal);
+    if (t >= 0 && t <= 1) {
+        memcpy(on, from, sizeof on);
+        shift_by(on, t, path);
+        memcpy(normal, enter, sizeof normal);
+        distance = ssfr_dot(normal, to) - ssfr_dot(normal, on);
     }
+    if (distance >= f->reach) return;
+    for (int k = 0; k < 3; k++) on[k] -= solver->origin[k];
+    add(f, normal, on, distance, keep, o);
 }
 
 /* Bit o is set when a particle of the cell may feel obstacle o in this step. */
@@ -200,8 +201,8 @@ ssfr_result ssfr_solver_find_contacts(ssfr_solver *solver, int n_obstacles, cons
     const double radius = solver->setup.radius;
     for (int o = 0; o < n_obstacles; o++) prepared[o] = prepare(obstacles + o);
     /* Corrections in the step may move a particle closer by about a radius. */
-    const finding all = {.solver = solver, .obstacles = prepared, .n_obstacles = n_obstacles,
-                         .reach = (double)solver->kernel.support + radius, .closest = solver->closest};
+    const finding all = {.obstacles = prepared, .n_obstacles = n_obstacles, .closest = solver->closest,
+                         .rate = LEAVING * radius, .reach = (double)solver->kernel.support + radius};
     for (;;) {
         const size_t n_cells = ssfr_grid_n_cells(solver->grid);
         size_t used = 0;
@@ -220,6 +221,12 @@ end:
 
 /* ---- using -------------------------------------------------------------------------------------------------------- */
 
+static float distance_from(const ssfr_contact *contact, ssfr_lanes x)
+{
+    const float *n = contact->normal;
+    return n[0] * x[0] + n[1] * x[1] + n[2] * x[2] + contact->offset;
+}
+
 /* Where surfaces meet, what is left free by all of them is the product of what each leaves free: exact for walls at
  * right angles if kernels were Gaussians. */
 float ssfr_solver_boundary(const ssfr_solver *solver, size_t i, ssfr_lanes x, float gradient[3])
@@ -229,9 +236,9 @@ float ssfr_solver_boundary(const ssfr_solver *solver, size_t i, ssfr_lanes x, fl
     for (int c = 0; c < solver->labels[i].n_contacts; c++) {
         const ssfr_contact *contact = solver->contacts + solver->labels[i].contact_begin + (uint32_t)c;
         const float *n = contact->normal, per_support = solver->kernel.per_support;
-        const float distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] + contact->offset + solver->wall;
         float slope;
-        const float behind = ssfr_kernel_behind(distance * per_support, &slope);
+        const float behind =
+            ssfr_kernel_behind((distance_from(contact, x) + solver->wall) * per_support, &slope);
         /* d/dx (1 - free (1 - behind)) */
         for (int k = 0; k < 3; k++) gradient[k] = gradient[k] * (1 - behind) + free * slope * per_support * n[k];
         free *= 1 - behind;
@@ -241,13 +248,11 @@ float ssfr_solver_boundary(const ssfr_solver *solver, size_t i, ssfr_lanes x, fl
 
 ssfr_lanes ssfr_solver_project(const ssfr_solver *solver, size_t i, ssfr_lanes x)
 {
-    const float closest = (float)solver->closest;
     for (int c = 0; c < solver->labels[i].n_contacts; c++) {
         const ssfr_contact *contact = solver->contacts + solver->labels[i].contact_begin + (uint32_t)c;
-        const float *n = contact->normal;
-        const float short_by = closest - (n[0] * x[0] + n[1] * x[1] + n[2] * x[2] + contact->offset);
+        const float short_by = contact->keep - distance_from(contact, x);
         if (short_by > 0)
-            for (int k = 0; k < 3; k++) x[k] += short_by * n[k];
+            for (int k = 0; k < 3; k++) x[k] += short_by * contact->normal[k];
     }
     return x;
 }
@@ -264,31 +269,32 @@ static void rub(ssfr_solver *solver, size_t i, const ssfr_obstacle *obstacle, co
         solver->moved[i][k] -= (float)(share * (slip[k] - along * normal[k]));
 }
 
+/* A contact with an obstacle at the step's end, with the exact distance where its plane was only near. */
+static void finish_obstacle(ssfr_solver *solver, size_t i, double dt, const ssfr_contact *contact,
+                            const ssfr_obstacle *obstacle)
+{
+    const double touching = TOUCHING * solver->setup.radius;
+    const ssfr_lanes x = solver->x[i] + solver->moved[i];
+    double at[3], normal[3];
+    if ((double)distance_from(contact, x) > touching) return;
+    to_world(solver, x, at);
+    const double distance = ssfr_solid_distance(&obstacle->now, at, normal), short_by = (double)contact->keep - distance;
+    if (short_by > 0)
+        for (int k = 0; k < 3; k++) solver->moved[i][k] += (float)(short_by * normal[k]);
+    if (obstacle->friction > 0 && distance < touching)
+        rub(solver, i, obstacle, normal, 1 - pow(1 - obstacle->friction, dt / solver->setup.params.max_step));
+}
+
 static void finish(ssfr_solver *solver, size_t i, double dt, const ssfr_obstacle *obstacles)
 {
-    const double radius = solver->setup.radius, closest = solver->closest;
     for (int c = 0; c < solver->labels[i].n_contacts; c++) {
         const ssfr_contact *contact = solver->contacts + solver->labels[i].contact_begin + (uint32_t)c;
-        const float *n = contact->normal;
-        if (contact->obstacle < 0) continue;
-        const ssfr_lanes x = solver->x[i] + solver->moved[i];
-        const float near = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] + contact->offset;
-        if ((double)near > TOUCHING * radius) continue;
-        const ssfr_obstacle *o = obstacles + contact->obstacle;
-        double at[3], normal[3];
-        to_world(solver, x, at);
-        const double distance = ssfr_solid_distance(&o->now, at, normal);
-        if (distance < closest)
-            for (int k = 0; k < 3; k++) solver->moved[i][k] += (float)((closest - distance) * normal[k]);
-        if (o->friction > 0 && distance < TOUCHING * radius)
-            rub(solver, i, o, normal, 1 - pow(1 - o->friction, dt / solver->setup.params.max_step));
+        if (contact->obstacle >= 0) finish_obstacle(solver, i, dt, contact, obstacles + contact->obstacle);
     }
     for (int k = 0; k < 3; k++) { /* whatever obstacles did, nothing leaves by a wall */
         const double end = (double)solver->x[i][k] + (double)solver->moved[i][k];
-        if (!solver->setup.open[2 * k] && end < solver->lo[k] + closest)
-            solver->moved[i][k] += (float)(solver->lo[k] + closest - end);
-        if (!solver->setup.open[2 * k + 1] && end > solver->hi[k] - closest)
-            solver->moved[i][k] -= (float)(end - (solver->hi[k] - closest));
+        if (!solver->setup.open[2 * k] && end < solver->lo[k]) solver->moved[i][k] += (float)(solver->lo[k] - end);
+        if (!solver->setup.open[2 * k + 1] && end > solver->hi[k]) solver->moved[i][k] -= (float)(end - solver->hi[k]);
     }
 }
 

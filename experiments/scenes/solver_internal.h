@@ -25,6 +25,7 @@ enum {
 typedef struct ssfr_contact {
     float normal[3]; /* towards the fluid */
     float offset;    /* m: the distance of x from the plane is normal . x + offset */
+    float keep;      /* m, how near the particle may come */
     int32_t obstacle; /* -1 for a wall of the domain */
 } ssfr_contact;
 
