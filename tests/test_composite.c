@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_composite.c: Fresnel, absorption, refraction and highlight against their closed forms. */
+#include "tests/meshes.h"
 #include "tests/pass_util.h"
 
 enum { W = 32, H = 24 };
@@ -444,6 +445,45 @@ static void scene_reflected_is_what_the_ray_meets(void **state)
     assert_true(test_same_bits(run(&w), plain));
 }
 
+/* The same box as a mesh, and a ramp with its slope upwards, whose lower face is the box's. */
+static void solids_of_all_shapes_are_reflected(void **state)
+{
+    ssfr_solid above = {.centre = {0.4, 4, z0}, .half = {0.5, 0.5, 9}, .colour = {0.9, 0.5, 0.1},
+                        .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    test_mesh m = test_mesh_box(0.5, 0.5, 9);
+    ssfr_mesh *mesh = test_mesh_make(&m);
+    const water w = begin(state);
+    test_twin_set(w.t, "medium.ior", "1.333");
+    for (int i = 0; i < W * H; i++) mirror_to(&w, i, (const double[3]){0, 1, 0});
+    test_twin_set(w.t, "reflection", "scene");
+    w.t->scene.solids = &above, w.t->scene.n_solids = 1;
+    const ssfr_field *box = run(&w);
+    above.shape = SSFR_MESH, above.mesh = mesh;
+    assert_true(test_difference(run(&w), box) < 4 * w.t->eps);
+    above.shape = SSFR_RAMP;
+    assert_true(test_difference(run(&w), box) < 4 * w.t->eps);
+    w.t->scene.n_solids = 0;
+    assert_true(test_difference(run(&w), box) > 0.01);
+    ssfr_mesh_destroy(&mesh);
+    test_mesh_finish(&m);
+}
+
+/* A map of one value in the place of the sky, for both kinds of reflection. */
+static void the_map_of_the_environment_is_reflected(void **state)
+{
+    static const char *const kinds[] = {"sky", "scene"};
+    const water w = begin(state);
+    test_twin_set(w.t, "medium.ior", "1.333");
+    for (int i = 0; i < W * H; i++) mirror_to(&w, i, (const double[3]){0, 1, 0});
+    w.t->scene.environment = test_field_filled(16, 8, 3, 0.3);
+    for (size_t kind = 0; kind < SSFR_COUNT(kinds); kind++) {
+        test_twin_set(w.t, "reflection", "%s", kinds[kind]);
+        const ssfr_field *color = run(&w);
+        for (int i = 0; i < 3 * W * H; i++)
+            assert_close(color->data[i], 1 - 0.7 * reflectance_at(&w, i / 3), 64 * w.t->eps, 0);
+    }
+}
+
 /* ---- the rest ---------------------------------------------------------------------------------------------------- */
 
 static void pixels_without_surface_are_untouched(void **state)
@@ -508,6 +548,8 @@ int main(void)
         TEST_TWINS(light_straight_ahead_makes_no_highlight),
         TEST_TWINS(sky_is_seen_in_the_mirrored_direction),
         TEST_TWINS(scene_reflected_is_what_the_ray_meets),
+        TEST_TWINS(solids_of_all_shapes_are_reflected),
+        TEST_TWINS(the_map_of_the_environment_is_reflected),
         TEST_TWINS(pixels_without_surface_are_untouched),
         TEST_TWINS(without_fluid_the_scene_shows),
         TEST_TWINS(composite_refuses_values_out_of_range),

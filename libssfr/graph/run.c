@@ -320,7 +320,7 @@ static void bind_shared(const ssfr_graph *graph)
     const bool meshes = graph->n_meshes > 0;
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_NODES, meshes ? graph->nodes_of_meshes : graph->offsets);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_TRIANGLES, meshes ? graph->triangles : graph->offsets);
-    glBindTextureUnit(SSFR_UNIT_ENVIRONMENT, graph->environment_key ? graph->environment.name : 0);
+    if (graph->environment_key) glBindTextureUnit(SSFR_UNIT_ENVIRONMENT, graph->environment.name);
     glBindSampler(SSFR_UNIT_ENVIRONMENT, 0);
 }
 
