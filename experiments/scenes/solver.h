@@ -13,7 +13,7 @@ enum { SSFR_SOLVER_VERSION = 1 };
 
 typedef struct ssfr_solver_params {
     double max_step;      /* s, the longest step */
-    double cfl;           /* radii that the fastest particle, or a wave on fluid of this depth, may move in a step */
+    double cfl;           /* radii that the fastest particle may move in a step */
     int iterations;       /* of the density constraint, a step */
     double relaxation;    /* epsilon of eq. 11, in units of the constraint's gradients at rest */
     double pressure_k;    /* k of the artificial pressure, eq. 13 */
@@ -45,7 +45,8 @@ SSFR_MUST ssfr_result ssfr_solver_add(ssfr_solver *solver, size_t n, const doubl
 /* Removes what is inside the solid (a sink); returns how many there were. */
 size_t ssfr_solver_remove(ssfr_solver *solver, const ssfr_solid *sink);
 
-/* How long the next step may be, s: the CFL condition and max_step. */
+/* How long the next step may be, s: the CFL condition, for particles and for waves on fluid of this depth, and
+ * max_step. */
 double ssfr_solver_limit(const ssfr_solver *solver);
 /* Advances by dt (s). Fails with SSFR_ERR_VALUE, naming the particle, when a value is no longer finite; the solver is
  * then of no further use. */
