@@ -217,6 +217,33 @@ static void vertices_are_at_no_distance_and_have_unit_normals(void **state)
     test_mesh_finish(&m);
 }
 
+/* Boxes in one place, which no plane can part, and boxes each half as large as the one before, which planes part one by
+ * one: both need halving by number. */
+static void trees_of_equal_and_of_ever_smaller_triangles_are_searched(void **state)
+{
+    (void)state;
+    enum { N_EQUAL = 9, N_SMALLER = 60 };
+    test_mesh m = test_mesh_box(0.2, 0.2, 0.2);
+    uint64_t seed = 16;
+    for (int i = 1; i < N_EQUAL + N_SMALLER; i++) {
+        const double half = i < N_EQUAL ? 0.2 : 0.2 * pow(0.5, i - N_EQUAL), x = i < N_EQUAL ? 0 : 4 * half;
+        test_mesh one = test_mesh_box(half, half, half), more = test_mesh_join(&m, &one, (const double[3]){x, 0, 0});
+        test_mesh_finish(&m), test_mesh_finish(&one);
+        m = more;
+    }
+    ssfr_mesh *mesh = test_mesh_make(&m);
+    for (int i = 0; i < 500; i++) {
+        double p[3], q[3], d[3], normal[3];
+        random_place(&seed, i % 2 ? 1.2 : 0.4, p), random_place(&seed, 0.4, q);
+        assert_close(fabs(ssfr_mesh_distance(mesh, p, normal)), to_all(&m, p), 1e-12, 0);
+        subtract(q, p, d);
+        const double t = ssfr_mesh_enter(mesh, p, d, normal);
+        assert_close(t, enter_all(&m, p, d), 1e-11, 1e-11);
+    }
+    ssfr_mesh_destroy(&mesh);
+    test_mesh_finish(&m);
+}
+
 /* ---- rays -------------------------------------------------------------------------------------------------------- */
 
 static void rays_enter_where_the_first_of_all_triangles_is(void **state)
@@ -624,6 +651,7 @@ int main(void)
         cmocka_unit_test(distances_to_a_concave_mesh_are_those_to_all_its_triangles),
         cmocka_unit_test(signs_are_right_at_every_thorn),
         cmocka_unit_test(vertices_are_at_no_distance_and_have_unit_normals),
+        cmocka_unit_test(trees_of_equal_and_of_ever_smaller_triangles_are_searched),
         cmocka_unit_test(rays_enter_where_the_first_of_all_triangles_is),
         cmocka_unit_test(no_ray_slips_through_edges_or_corners),
         cmocka_unit_test(rays_from_inside_do_not_enter_a_convex_mesh),

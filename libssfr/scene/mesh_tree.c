@@ -4,6 +4,8 @@
 
 /* ---- growing ----------------------------------------------------------------------------------------------------- */
 
+enum { MAX_DEPTH = 32, MAX_WAITING = MAX_DEPTH + 32 }; /* by planes; with what halving adds for 2^28 triangles */
+
 typedef struct growth {
     ssfr_mesh *mesh;
     uint32_t *order;     /* triangles */
@@ -25,47 +27,83 @@ static void bound(const growth *g, size_t begin, size_t end, ssfr_mesh_node *nod
     }
 }
 
-/* The axis along which the triangles' middles spread most. */
-static int widest(const growth *g, size_t begin, size_t end)
+/* Where to part triangles in two: those whose middle lies below the plane come first. */
+typedef struct cut {
+    int axis;
+    double at;   /* m */
+    double cost; /* what it leaves to be searched: surfaces times triangles, m^2 */
+} cut;
+
+typedef struct bin {
+    size_t n;
+    double lo[3], hi[3];
+} bin;
+
+static const bin empty = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
+
+static void add_bin(bin *to, const bin *b)
 {
-    int axis = 0;
-    double most = -1;
-    for (int k = 0; k < 3; k++) {
-        double lo = INFINITY, hi = -INFINITY;
-        for (size_t i = begin; i < end; i++) {
-            const double v = g->middle[g->order[i]][k];
-            lo = fmin(lo, v), hi = fmax(hi, v);
-        }
-        if (hi - lo > most) most = hi - lo, axis = k;
-    }
-    return axis;
+    to->n += b->n;
+    for (int k = 0; k < 3; k++) to->lo[k] = fmin(to->lo[k], b->lo[k]), to->hi[k] = fmax(to->hi[k], b->hi[k]);
 }
 
-/* Quickselect: what stands before `at` is no further along the axis than what stands from there on. */
-static void part(const growth *g, size_t begin, size_t end, size_t at, int axis)
+static double cost_of(const bin *b)
 {
-    size_t first = begin, last = end - 1;
-    while (first < last) {
-        const double pivot = g->middle[g->order[first + (last - first) / 2]][axis];
-        size_t i = first, k = last;
-        while (i <= k) {
-            while (g->middle[g->order[i]][axis] < pivot) i++;
-            while (g->middle[g->order[k]][axis] > pivot) k--;
-            if (i > k) break;
-            const uint32_t one = g->order[i];
-            g->order[i++] = g->order[k];
-            g->order[k] = one;
-            if (k == 0) break;
-            k--;
+    const double x = b->hi[0] - b->lo[0], y = b->hi[1] - b->lo[1], z = b->hi[2] - b->lo[2];
+    return b->n ? (double)b->n * (x * y + y * z + z * x) : 0;
+}
+
+enum { N_BINS = 16 };
+
+/* Sorts the triangles' boxes into bins along an axis by their middles, from lo to hi. */
+static void fill_bins(const growth *g, size_t begin, size_t end, int axis, double lo, double hi, bin bins[N_BINS])
+{
+    for (int i = 0; i < N_BINS; i++) bins[i] = empty;
+    for (size_t i = begin; i < end; i++) {
+        const uint32_t t = g->order[i];
+        const int k = ssfr_min_int((int)(N_BINS * (g->middle[t][axis] - lo) / (hi - lo)), N_BINS - 1);
+        bin one = {.n = 1};
+        for (int j = 0; j < 3; j++) {
+            const double(*c)[3] = (const double(*)[3])g->mesh->triangles[t].corner;
+            one.lo[j] = fmin(fmin(c[0][j], c[1][j]), c[2][j]), one.hi[j] = fmax(fmax(c[0][j], c[1][j]), c[2][j]);
         }
-        if (at <= k) last = k;
-        else if (at >= i) first = i;
-        else break;
+        add_bin(&bins[k], &one);
     }
 }
 
-/* Halves by number: the tree is as shallow as can be. */
-static void grow(const growth *g, size_t begin, size_t end)
+/* The surface area heuristic: a ray, or a ball, meets a box as often as its surface is large. */
+static void try_axis(const growth *g, size_t begin, size_t end, int axis, cut *best)
+{
+    bin bins[N_BINS], after[N_BINS], before = empty;
+    double lo = INFINITY, hi = -INFINITY;
+    for (size_t i = begin; i < end; i++)
+        lo = fmin(lo, g->middle[g->order[i]][axis]), hi = fmax(hi, g->middle[g->order[i]][axis]);
+    if (!(hi > lo)) return;
+    fill_bins(g, begin, end, axis, lo, hi, bins);
+    after[N_BINS - 1] = bins[N_BINS - 1];
+    for (int i = N_BINS - 2; i > 0; i--) after[i] = bins[i], add_bin(&after[i], &after[i + 1]);
+    for (int i = 1; i < N_BINS; i++) {
+        add_bin(&before, &bins[i - 1]);
+        const double cost = cost_of(&before) + cost_of(&after[i]);
+        if (before.n && after[i].n && cost < best->cost) *best = (cut){axis, lo + (hi - lo) * i / N_BINS, cost};
+    }
+}
+
+/* Puts the triangles below the cut first and gives where the others begin. */
+static size_t part(const growth *g, size_t begin, size_t end, const cut *cut)
+{
+    size_t at = begin;
+    for (size_t i = begin; i < end; i++) {
+        const uint32_t t = g->order[i];
+        if (!(g->middle[t][cut->axis] < cut->at)) continue;
+        g->order[i] = g->order[at];
+        g->order[at++] = t;
+    }
+    return at;
+}
+
+/* Where no plane parts them, or the tree would get too deep, they are halved by number. */
+static void grow(const growth *g, size_t begin, size_t end, int depth)
 {
     ssfr_mesh *mesh = g->mesh;
     ssfr_mesh_node *node = mesh->nodes + mesh->n_nodes++;
@@ -73,10 +111,12 @@ static void grow(const growth *g, size_t begin, size_t end)
     if (end - begin <= SSFR_MESH_LEAF) {
         node->leaf = (uint32_t)(8 * begin + (end - begin));
     } else {
-        const size_t middle = begin + (end - begin) / 2;
-        part(g, begin, end, middle, widest(g, begin, end));
-        grow(g, begin, middle);
-        grow(g, middle, end);
+        cut best = {.cost = INFINITY};
+        for (int axis = 0; axis < 3 && depth < MAX_DEPTH; axis++) try_axis(g, begin, end, axis, &best);
+        size_t middle = isfinite(best.cost) ? part(g, begin, end, &best) : begin;
+        if (middle == begin || middle == end) middle = begin + (end - begin) / 2;
+        grow(g, begin, middle, depth + 1);
+        grow(g, middle, end, depth + 1);
     }
     node->skip = (uint32_t)mesh->n_nodes;
 }
@@ -107,14 +147,14 @@ ssfr_result ssfr_mesh_grow_tree(ssfr_mesh *mesh)
     for (int k = 0; k < 3; k++) g.margin = fmax(g.margin, 1e-6 * (mesh->hi[k] - mesh->lo[k]));
     SSFR_TRY(ssfr_alloc(&g.order, mesh->n_triangles, sizeof *g.order, "the triangles' order"));
     SSFR_TRY(ssfr_alloc(&g.middle, mesh->n_triangles, sizeof *g.middle, "the triangles' middles"));
-    SSFR_TRY(ssfr_alloc(&mesh->nodes, mesh->n_triangles, sizeof *mesh->nodes, "a tree")); /* leaves hold 2 and more */
+    SSFR_TRY(ssfr_alloc(&mesh->nodes, 2 * mesh->n_triangles, sizeof *mesh->nodes, "a tree"));
     for (size_t i = 0; i < mesh->n_triangles; i++) {
         const double(*c)[3] = (const double(*)[3])mesh->triangles[i].corner;
         g.order[i] = (uint32_t)i;
         for (int k = 0; k < 3; k++)
             g.middle[i][k] = 0.5 * (fmin(fmin(c[0][k], c[1][k]), c[2][k]) + fmax(fmax(c[0][k], c[1][k]), c[2][k]));
     }
-    grow(&g, 0, mesh->n_triangles);
+    grow(&g, 0, mesh->n_triangles, 0);
     SSFR_TRY(sort(&g));
 end:
     free(g.order), free(g.middle);
@@ -197,7 +237,7 @@ static nearest find_nearest(const ssfr_mesh *mesh, const double p[3])
     struct {
         uint32_t node;
         double square;
-    } waiting[64];
+    } waiting[MAX_WAITING];
     nearest best = {.square = INFINITY};
     double from_middle[3];
     int n = 1;
