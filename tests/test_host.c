@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_host.c: whole frames inside a host program's GL context, into its textures, from its textures and buffers. */
 #include "tests/frames.h"
+#include "tests/meshes.h"
 
 #include <float.h>
 
@@ -132,6 +133,8 @@ static void every_call_leaves_the_hosts_state_as_found(void **state)
     set_up(&r);
     char *before = test_host_snapshot();
     ssfr_gl *gl = NULL;
+    test_mesh box = test_mesh_box(0.2, 0.1, 0.3);
+    ssfr_mesh *mesh = test_mesh_make(&box);
     ssfr_field *color = pattern(W, H, 3, 1, 0), *read = NULL;
     const GLuint target = make_texture(GL_RGBA32F, W, H), scene = make_texture(GL_RGBA16F, W, H);
     assert_int_equal(ssfr_gl_create(&gl, SSFR_GL_CURRENT), SSFR_OK);
@@ -139,6 +142,11 @@ static void every_call_leaves_the_hosts_state_as_found(void **state)
     assert_state(before, "created");
     assert_int_equal(ssfr_graph_run(graph, &r.s.scene, NULL), SSFR_OK);
     assert_state(before, "run");
+    r.s.scene.environment = color;
+    r.s.solids[1].shape = SSFR_MESH, r.s.solids[1].mesh = mesh;
+    assert_int_equal(ssfr_graph_set(graph, "composite.reflection", "scene"), SSFR_OK);
+    assert_int_equal(ssfr_graph_run(graph, &r.s.scene, NULL), SSFR_OK);
+    assert_state(before, "run with a mesh and a map of the environment");
     assert_int_equal(ssfr_graph_read(graph, "color", &read), SSFR_OK);
     assert_state(before, "read");
     assert_int_equal(ssfr_graph_import(graph, "scene_color", color), SSFR_OK);
@@ -157,6 +165,8 @@ static void every_call_leaves_the_hosts_state_as_found(void **state)
     assert_state(before, "destroyed");
     ssfr_field_destroy(&read);
     ssfr_field_destroy(&color);
+    ssfr_mesh_destroy(&mesh);
+    test_mesh_finish(&box);
     free(before);
     tear_down(&r);
 }
