@@ -84,6 +84,26 @@ ssfr_particles *load(const char *path)
     return particles;
 }
 
+char told[512];
+
+static void keep_told(void *user, ssfr_level level, const char *where, const char *text)
+{
+    (void)user, (void)where;
+    const size_t used = strlen(told);
+    if (level == SSFR_INFO || level == SSFR_WARNING) snprintf(told + used, sizeof told - used, "%s\n", text);
+}
+
+ssfr_particles *load_and_listen(void **state, const char *path)
+{
+    ssfr_particles *p = NULL;
+    told[0] = '\0';
+    ssfr_log_to(keep_told, NULL);
+    const ssfr_result result = ssfr_particles_load(&p, path, NULL);
+    test_capture_log(state);
+    assert_int_equal(result, SSFR_OK);
+    return p;
+}
+
 /* Particles, or one line and nothing else. */
 static ssfr_result check_outcome(const char *path)
 {

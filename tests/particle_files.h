@@ -26,6 +26,10 @@ size_t find_particle(const ssfr_particles *particles, double x, double y, double
 /* Loads what must load. */
 ssfr_particles *load(const char *path);
 
+/* Loads what must load and keeps the lines that are told beside errors. Cmocka's state is for capturing the log again. */
+ssfr_particles *load_and_listen(void **state, const char *path);
+extern char told[512];
+
 /* Every start of the file gives particles or one error line; the whole file gives particles. */
 void check_truncations(const char *name, const void *data, size_t size);
 /* So does the file with a byte replaced, for many bytes and values. */

@@ -257,20 +257,9 @@ static void the_formats_are_listed_a_line_each(void **state)
     for (size_t i = 0; i < SSFR_COUNT(endings); i++) assert_non_null(strstr(ssfr_particle_formats(), endings[i]));
 }
 
-static char told[256];
-
-static void keep_info(void *user, ssfr_level level, const char *where, const char *text)
-{
-    (void)user, (void)where;
-    if (level == SSFR_INFO) snprintf(told, sizeof told, "%s", text);
-}
-
 static void a_missing_radius_is_estimated_and_told(void **state)
 {
-    ssfr_particles *p = NULL;
-    ssfr_log_to(keep_info, NULL);
-    assert_int_equal(ssfr_particles_load(&p, ply_file("two.ply", 2, two), NULL), SSFR_OK);
-    test_capture_log(state);
+    ssfr_particles *p = load_and_listen(state, ply_file("two.ply", 2, two));
     assert_close(p->radius, 1.1925, 1e-6, 0);
     assert_non_null(strstr(told, "1.1925 m"));
     ssfr_particles_destroy(&p);

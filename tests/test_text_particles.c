@@ -10,27 +10,6 @@ static void assert_refused(const char *path, ssfr_result code, const char *text)
     assert_null(p);
 }
 
-static char told[512];
-
-static void keep_told(void *user, ssfr_level level, const char *where, const char *text)
-{
-    (void)user, (void)where;
-    const size_t used = strlen(told);
-    if (level == SSFR_INFO || level == SSFR_WARNING) snprintf(told + used, sizeof told - used, "%s\n", text);
-}
-
-/* Loads a file and keeps what is told beside errors. */
-static ssfr_particles *load_and_listen(void **state, const char *path)
-{
-    ssfr_particles *p = NULL;
-    told[0] = '\0';
-    ssfr_log_to(keep_told, NULL);
-    const ssfr_result result = ssfr_particles_load(&p, path, NULL);
-    test_capture_log(state);
-    assert_int_equal(result, SSFR_OK);
-    return p;
-}
-
 /* ---- .csv -------------------------------------------------------------------------------------------------------- */
 
 /* Two particles, at (0, 2.385, -1) and (1, 0.5, 2.25), in one of the many ways. */
@@ -120,7 +99,7 @@ static void other_columns_are_skipped_and_told(void **state)
     assert_int_equal(p->n, 2);
     find_particle(p, 0, 2.385, -1);
     find_particle(p, 1, 0.5, 2.25);
-    assert_non_null(strstr(told, "other.csv: columns that are skipped: \"Point\" \"temperature\" \"a\" \"Points_Magn"));
+    assert_non_null(strstr(told, "other.csv: not read: \"Point\" \"temperature\" \"a\" \"Points_Magn"));
     assert_null(strstr(told, "\"x\""));
     assert_null(p->id);
     ssfr_particles_destroy(&p);

@@ -169,14 +169,6 @@ static void points_alone_and_no_points_are_files(void **state)
     assert_refused(ascii("DATASET POLYDATA\nPOINTS 1 float\n0 0 0\n"), SSFR_ERR_VALUE, "say the radius");
 }
 
-static char warned[256];
-
-static void keep_warning(void *user, ssfr_level level, const char *where, const char *text)
-{
-    (void)user, (void)where;
-    if (level == SSFR_WARNING) snprintf(warned, sizeof warned, "%s", text);
-}
-
 static void arrays_of_another_shape_are_skipped_with_a_warning(void **state)
 {
     static const struct {
@@ -187,12 +179,8 @@ static void arrays_of_another_shape_are_skipped_with_a_warning(void **state)
         {POINTS "VECTORS v float\n1 2 3 4 5 6\nVECTORS vel float\n1 2 3 4 5 6\n", "velocity skipped"},
     };
     for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
-        ssfr_particles *p = NULL;
-        warned[0] = '\0';
-        ssfr_log_to(keep_warning, NULL);
-        assert_int_equal(ssfr_particles_load(&p, ascii(cases[i].lines), NULL), SSFR_OK);
-        test_capture_log(state);
-        assert_non_null(strstr(warned, cases[i].says));
+        ssfr_particles *p = load_and_listen(state, ascii(cases[i].lines));
+        assert_non_null(strstr(told, cases[i].says));
         assert_int_equal(p->velocity != NULL, i == 2);
         ssfr_particles_destroy(&p);
     }
@@ -314,9 +302,8 @@ static void a_radius_stands_in_the_files_own_field(void **state)
     ssfr_particles *p = load(ascii(b.data));
     assert_true(p->radius == 0.25);
     ssfr_particles_destroy(&p);
-    b = (bytes){0}; /* those of cells and points are not the file's */
+    b = (bytes){0}; /* those of cells are not the file's */
     put_text(&b, "DATASET POLYDATA\n%sCELL_DATA 1\nFIELD f 1\nradius 1 1 float\n0.25\n", points);
-    put_text(&b, "POINT_DATA 2\nFIELD f 1\nradius 1 2 float\n0.25 0.25\n");
     p = load(ascii(b.data));
     assert_close(p->radius, 1.1925, 1e-6, 0);
     ssfr_particles_destroy(&p);
@@ -324,6 +311,41 @@ static void a_radius_stands_in_the_files_own_field(void **state)
                    "expected a radius, found \"wide\"");
     assert_refused(ascii("DATASET POLYDATA\nFIELD f 1\nradius 1 1 float\n-2.385\nPOINTS 0 float\n"), SSFR_ERR_FORMAT,
                    "radius is -2.385 m");
+}
+
+static void radii_of_the_points_count_when_all_are_the_same(void **state)
+{
+    static const struct {
+        const char *values, *says;
+        double radius;
+    } cases[] = {
+        {"0.25 0.25", "", 0.25},
+        {"0.25 0.125", "the particles have radii from 0.125 to 0.25 m, none for all: they are not used", 1.1925},
+    };
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        bytes b = {0};
+        put_text(&b, "DATASET POLYDATA\nPOINTS 2 float\n0 0 0 2.385 0 0\n");
+        put_text(&b, "POINT_DATA 2\nSCALARS Radius float\nLOOKUP_TABLE default\n%s\n", cases[i].values);
+        ssfr_particles *p = load_and_listen(state, ascii(b.data));
+        assert_close(p->radius, cases[i].radius, 1e-6, 0);
+        assert_non_null(strstr(told, cases[i].says));
+        ssfr_particles_destroy(&p);
+    }
+    assert_refused(ascii("DATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOINT_DATA 1\nSCALARS radius float\n"
+                         "LOOKUP_TABLE default\n-2.385\n"),
+                   SSFR_ERR_FORMAT, "particle 0 (from 0): radius is -2.385 m");
+}
+
+static void arrays_of_points_that_are_not_read_are_told(void **state)
+{
+    ssfr_particles *p = load_and_listen(
+        state, ascii("DATASET POLYDATA\nPOINTS 2 float\n0 0 0 2.385 0 0\n"
+                     "CELL_DATA 1\nSCALARS of_cells int\nLOOKUP_TABLE default\n1\n"
+                     "POINT_DATA 2\nSCALARS Temp int\nLOOKUP_TABLE default\n1 2\nVECTORS v float\n1 2 3 4 5 6\n"
+                     "TEXTURE_COORDINATES uv 1 float\n0 1\nCOLOR_SCALARS rgb 1\n0.5 1\n"));
+    assert_non_null(strstr(told, ": not read: \"Temp\" \"uv\" \"rgb\"\n"));
+    assert_non_null(p->velocity);
+    ssfr_particles_destroy(&p);
 }
 
 static void what_is_written_has_points_a_vertex_each_and_arrays(void **state)
@@ -423,6 +445,8 @@ int main(void)
         cmocka_unit_test(values_that_are_not_finite_are_refused_or_dropped),
         cmocka_unit_test(a_file_cut_anywhere_or_damaged_never_harms),
         cmocka_unit_test(a_radius_stands_in_the_files_own_field),
+        cmocka_unit_test(radii_of_the_points_count_when_all_are_the_same),
+        cmocka_unit_test(arrays_of_points_that_are_not_read_are_told),
         cmocka_unit_test(what_is_written_has_points_a_vertex_each_and_arrays),
         cmocka_unit_test(more_points_than_a_cell_can_count_are_not_written),
         cmocka_unit_test(what_is_no_file_is_refused),

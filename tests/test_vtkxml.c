@@ -274,6 +274,7 @@ static const char *xml(int n, const char *inside)
 #define ARRAY(type, name, n, values) \
     "<DataArray type=\"" type "\" Name=\"" name "\" NumberOfComponents=\"" n "\">" values "</DataArray>"
 #define TWO "<Points>" ARRAY("Float32", "Points", "3", "0 0 0 2.5 0 0") "</Points>"
+#define OTHERS "<Points>" ARRAY("Float32", "Points", "3", "0 2.5 0 2.5 2.5 0") "</Points>"
 
 static void elements_among_the_values_and_sections_in_any_order_are_read(void **state)
 {
@@ -303,12 +304,29 @@ static void files_without_points_are_files(void **state)
     ssfr_particles_destroy(&p);
 }
 
-static char warned[256];
-
-static void keep_warning(void *user, ssfr_level level, const char *where, const char *text)
+static void radii_of_the_points_count_when_all_are_the_same(void **state)
 {
-    (void)user, (void)where;
-    if (level == SSFR_WARNING) snprintf(warned, sizeof warned, "%s", text);
+    static const struct {
+        const char *text, *says;
+        double radius;
+    } cases[] = {
+        {TWO "<PointData>" ARRAY("Float64", "Radius", "1", "0.25 0.25") "</PointData>", "", 0.25},
+        {TWO "<PointData>" ARRAY("Float64", "radius", "1", "0.25 0.125") "</PointData>",
+         "text.vtp: the particles have radii from 0.125 to 0.25 m, none for all", 0},
+        {"<FieldData>" ARRAY("Int8", "radius", "1", "2") "</FieldData>" TWO
+         "<PointData>" ARRAY("Float64", "radius", "1", "0.25 0.25") "</PointData>", "", 2},
+        {TWO "<PointData>" ARRAY("Float64", "radius", "1", "0.25 0.25") ARRAY("Int8", "heat", "1", "1 2")
+         "</PointData></Piece><Piece NumberOfPoints=\"2\">" OTHERS "<PointData>" ARRAY("Int8", "heat", "1", "1 2")
+         "</PointData>", "text.vtp: radius skipped: not every Piece has it\n", 0},
+    };
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_particles *p = load_and_listen(state, xml(2, cases[i].text));
+        const double estimate = ssfr_particles_spacing(p);
+        assert_true(p->radius == (cases[i].radius > 0 ? cases[i].radius : estimate));
+        assert_non_null(strstr(told, cases[i].says));
+        assert_int_equal(strstr(told, ": not read: \"heat\"\n") != NULL, i == 3);
+        ssfr_particles_destroy(&p);
+    }
 }
 
 static void arrays_of_another_shape_are_skipped_with_a_warning(void **state)
@@ -322,22 +340,17 @@ static void arrays_of_another_shape_are_skipped_with_a_warning(void **state)
          "text.vtp:3: kind skipped: expected one array of numbers, 1 a point"},
         {"<PointData>" ARRAY("Int8", "id", "1", "1 2") ARRAY("Int8", "ids", "1", "1 2") "</PointData>", "id skipped"},
         {"<FieldData>" ARRAY("Int8", "radius", "2", "1 2") "</FieldData>", "radius skipped: expected one array"},
-        {"</Piece><Piece NumberOfPoints=\"2\">" TWO "<PointData>" ARRAY("Int8", "id", "1", "1 2") "</PointData>",
+        {"</Piece><Piece NumberOfPoints=\"2\">" OTHERS "<PointData>" ARRAY("Int8", "id", "1", "1 2") "</PointData>",
          "text.vtp: id skipped: not every Piece has it"},
     };
     for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
         bytes b = {0};
-        ssfr_particles *p = NULL;
-        ssfr_load_options options = {.radius = 0.5};
         put_text(&b, "%s%s", cases[i].text, i == 4 ? "" : TWO);
-        warned[0] = '\0';
-        ssfr_log_to(keep_warning, NULL);
         bytes whole = {0};
         put_text(&whole, "%s%.*s", i == 4 ? TWO : "", (int)b.n, b.data);
         whole.data[whole.n] = '\0';
-        assert_int_equal(ssfr_particles_load(&p, xml(2, whole.data), &options), SSFR_OK);
-        test_capture_log(state);
-        assert_non_null(strstr(warned, cases[i].says));
+        ssfr_particles *p = load_and_listen(state, xml(2, whole.data));
+        assert_non_null(strstr(told, cases[i].says));
         assert_true(!p->velocity && !p->kind && (i == 2) == (p->id != NULL));
         assert_int_equal(p->n, i == 4 ? 4 : 2);
         ssfr_particles_destroy(&p);
@@ -638,6 +651,7 @@ int main(void)
         cmocka_unit_test(files_by_vtk_itself_are_read),
         cmocka_unit_test(elements_among_the_values_and_sections_in_any_order_are_read),
         cmocka_unit_test(files_without_points_are_files),
+        cmocka_unit_test(radii_of_the_points_count_when_all_are_the_same),
         cmocka_unit_test(arrays_of_another_shape_are_skipped_with_a_warning),
         cmocka_unit_test(files_of_another_kind_are_refused_with_their_line),
         cmocka_unit_test(arrays_that_cannot_be_are_refused),

@@ -174,9 +174,8 @@ typedef struct bgeo {
     size_t n_attributes;
     size_t record; /* bytes a point */
     int n_columns;
-    column columns[SSFR_N_ARRAYS];
-    const ssfr_array *arrays[SSFR_N_ARRAYS]; /* of the columns */
-    size_t radius; /* offset of the particles' radius; 0 for none, as there the place is */
+    column columns[SSFR_N_ARRAYS + 1];
+    const ssfr_array *arrays[SSFR_N_ARRAYS + 1]; /* of the columns; NULL for the radius */
 } bgeo;
 
 static ssfr_result read_header(bgeo *b)
@@ -252,19 +251,26 @@ static bool has_column(const bgeo *b, const ssfr_array *array)
     return found;
 }
 
+static void add_column(bgeo *b, const ssfr_array *array, ssfr_scalar type)
+{
+    b->arrays[b->n_columns] = array;
+    b->columns[b->n_columns++] = (column){.offset = b->record, .type = type};
+}
+
 /* Keeps an attribute when it is one of ours. */
 static void keep_attribute(bgeo *b, const char *name, size_t type, size_t size)
 {
     const ssfr_array *array = ssfr_array_find(name);
-    if (array && type != WORD && size == array->count && !has_column(b, array)) {
-        b->arrays[b->n_columns] = array;
-        b->columns[b->n_columns++] = (column){.offset = b->record, .type = type == INT ? SSFR_INT32 : SSFR_FLOAT32};
-    } else if (array) {
+    const bool radius = strcmp(name, radius_name) == 0 && type == FLOAT && size == 1 && !has_column(b, NULL);
+    if (radius)
+        add_column(b, NULL, SSFR_FLOAT32);
+    else if (array && type != WORD && size == array->count && !has_column(b, array))
+        add_column(b, array, type == INT ? SSFR_INT32 : SSFR_FLOAT32);
+    else if (array)
         ssfr_log(SSFR_WARNING, "%s: %s skipped: expected one attribute of %zu numbers, found type %zu of %zu",
                  b->reading->path, array->name, array->count, type, size);
-    } else if (strcmp(name, radius_name) == 0 && type == FLOAT && size == 1) {
-        b->radius = b->record;
-    }
+    else
+        ssfr_reading_skip(b->reading, name);
     b->record += size * NUMBER;
 }
 
@@ -298,8 +304,10 @@ static ssfr_result make_targets(bgeo *b)
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: %zu points of %zu bytes are announced, but at most %zu bytes follow",
                          b->reading->path, n, b->record, most);
     SSFR_TRY(ssfr_reading_begin(b->reading, n));
-    for (int i = 0; i < b->n_columns; i++)
-        SSFR_TRY(ssfr_target_array(b->reading, b->arrays[i], &b->columns[i].target));
+    for (int i = 0; i < b->n_columns; i++) {
+        b->columns[i].target = ssfr_target_radii(b->reading);
+        if (b->arrays[i]) SSFR_TRY(ssfr_target_array(b->reading, b->arrays[i], &b->columns[i].target));
+    }
 end:
     return result;
 }
@@ -318,20 +326,6 @@ end:
     return result;
 }
 
-/* All particles have one radius, which here each has for itself. */
-static void read_radius(bgeo *b, const char *record, size_t i)
-{
-    double *radius = &b->reading->given.radius, value = 0;
-    ssfr_stream s = {.at = record + b->radius, .end = record + b->radius + NUMBER, .encoding = SSFR_BIG_ENDIAN};
-    ssfr_stream_next(&s, SSFR_FLOAT32, &value);
-    if (i == 0) *radius = value;
-    if (value == *radius) return;
-    ssfr_log(SSFR_WARNING, "%s: %s is no radius of all particles: there are %g and %g", b->reading->path, radius_name,
-             *radius, value);
-    *radius = 0;
-    b->radius = 0;
-}
-
 static ssfr_result read_points(bgeo *b)
 {
     ssfr_result result = SSFR_OK;
@@ -345,7 +339,6 @@ static ssfr_result read_points(bgeo *b)
             SSFR_TRY(read_values(b, record, SSFR_FLOAT32, &positions, i)); /* w is a weight for curves */
             for (const column *c = b->columns; c < b->columns + b->n_columns; c++)
                 SSFR_TRY(read_values(b, record + c->offset, c->type, &c->target, i));
-            if (b->radius > 0) read_radius(b, record, i);
         }
     }
     SSFR_TRY(check_rest(&b->in));
@@ -364,6 +357,7 @@ ssfr_result ssfr_bgeo_read(ssfr_reading *reading)
     SSFR_TRY(read_attributes(&b));
     SSFR_TRY(make_targets(&b));
     SSFR_TRY(read_points(&b));
+    ssfr_reading_end(reading, reading->given.n);
 end:
     end_input(&b.in);
     free(file);

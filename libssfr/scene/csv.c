@@ -67,16 +67,6 @@ end:
     return result;
 }
 
-static void tell_skipped(const ssfr_rows *r)
-{
-    char names[256] = "", name[SSFR_FOUND];
-    size_t used = 0;
-    for (size_t i = 0; i < r->n_columns && used + SSFR_FOUND < sizeof names; i++)
-        if (r->columns[i].place == SSFR_PLACE_NONE)
-            used += (size_t)snprintf(names + used, sizeof names - used, " \"%s\"", ssfr_printable(r->names[i], name));
-    if (used) ssfr_log(SSFR_INFO, "%s: columns that are skipped:%s", r->path, names);
-}
-
 /* The name here; *more tells whether another follows it on the line. */
 static ssfr_result next_name(ssfr_rows *r, char **name, bool *more)
 {
@@ -112,7 +102,6 @@ static ssfr_result read_names(ssfr_rows *r, ssfr_sheet *sheet)
         SSFR_TRY(next_name(r, &name, &more));
         SSFR_TRY(add_column(r, sheet, line, name));
     }
-    tell_skipped(r);
 end:
     return result;
 }
@@ -131,7 +120,7 @@ ssfr_result ssfr_csv_read(ssfr_reading *reading)
     SSFR_TRY(read_names(&rows, &sheet));
     SSFR_TRY(ssfr_sheet_begin(&sheet, reading->path, ssfr_rows_most(&rows)));
     while (ssfr_rows_more(&rows)) SSFR_TRY(ssfr_rows_read(&rows, &sheet, n++));
-    ssfr_sheet_end(&sheet, n);
+    ssfr_reading_end(reading, n);
 end:
     free(file);
     return result;

@@ -55,7 +55,7 @@ static ssfr_result read_body(ssfr_ply *p, vertices *v)
     SSFR_TRY(ssfr_ply_check_size(p, vertex, "particles"));
     SSFR_TRY(make_sheet(p, vertex, v));
     SSFR_TRY(ssfr_ply_read_instances(p, vertex, put, v));
-    ssfr_sheet_end(&v->sheet, vertex->n);
+    ssfr_reading_end(v->sheet.reading, vertex->n);
     if (vertex + 1 == end_of_elements) SSFR_TRY(ssfr_ply_check_end(p));
 end:
     return result;

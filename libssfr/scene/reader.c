@@ -42,6 +42,26 @@ ssfr_result ssfr_reading_begin(ssfr_reading *reading, size_t n)
     return ssfr_alloc(&reading->positions, n, 3 * sizeof *reading->positions, "positions");
 }
 
+void ssfr_reading_skip(ssfr_reading *r, const char *name)
+{
+    char text[SSFR_FOUND];
+    const size_t used = strlen(r->skipped);
+    if (used + SSFR_FOUND + sizeof " \"\"" <= sizeof r->skipped)
+        snprintf(r->skipped + used, sizeof r->skipped - used, " \"%s\"", ssfr_printable(name, text));
+}
+
+void ssfr_reading_end(ssfr_reading *r, size_t n)
+{
+    const double least = r->radii[0], most = r->radii[1];
+    r->given.n = n;
+    if (r->given.radius != 0) return;
+    if (least < most)
+        ssfr_log(SSFR_WARNING, "%s: the particles have radii from %g to %g m, none for all: they are not used", r->path,
+                 least, most);
+    else if (least == most)
+        r->given.radius = least;
+}
+
 void ssfr_reading_finish(ssfr_reading *reading)
 {
     for (size_t a = 0; a < SSFR_N_ARRAYS; a++) free(ssfr_array_get(&reading->given, ssfr_arrays + a));
@@ -52,6 +72,12 @@ void ssfr_reading_finish(ssfr_reading *reading)
 ssfr_target ssfr_target_positions(const ssfr_reading *reading)
 {
     return (ssfr_target){.positions = reading->positions, .name = "position", .count = 3};
+}
+
+ssfr_target ssfr_target_radii(ssfr_reading *reading)
+{
+    reading->radii[0] = INFINITY, reading->radii[1] = -INFINITY;
+    return (ssfr_target){.radii = reading->radii, .name = "radius", .count = 1};
 }
 
 ssfr_result ssfr_target_array(ssfr_reading *reading, const ssfr_array *array, ssfr_target *out)
@@ -71,6 +97,15 @@ ssfr_result ssfr_target_refuse(const ssfr_reading *reading, const ssfr_target *t
 {
     return ssfr_fail(SSFR_ERR_FORMAT, "%s: particle %zu (from 0): %s is %.10g, expected a whole number from 0 to %u",
                      reading->path, i, target->name, value, UINT32_MAX);
+}
+
+ssfr_result ssfr_target_put_radius(const ssfr_reading *reading, const ssfr_target *target, size_t i, double value)
+{
+    if (!(value >= 0 && isfinite(value)))
+        return ssfr_fail(SSFR_ERR_FORMAT, "%s: particle %zu (from 0): radius is %g m", reading->path, i, value);
+    target->radii[0] = fmin(target->radii[0], value);
+    target->radii[1] = fmax(target->radii[1], value);
+    return SSFR_OK;
 }
 
 /* ---- streams of numbers ------------------------------------------------------------------------------------------ */
@@ -353,6 +388,7 @@ static ssfr_result load(ssfr_particles **out, const format *format, const char *
     ssfr_reading reading = {.path = path, .map = options->map};
     ssfr_particles *set = NULL;
     SSFR_TRY(format->read(&reading));
+    if (reading.skipped[0]) ssfr_log(SSFR_INFO, "%s: not read:%s", path, reading.skipped);
     transform(&reading, options);
     if (!(reading.given.radius >= 0 && isfinite(reading.given.radius))) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: the particle radius is %g m", path, reading.given.radius);

@@ -46,6 +46,8 @@ typedef struct ssfr_reading {
     const char *map;      /* set by the caller: where an HDF5 file has its arrays; NULL: as ssfr has them */
     double *positions;    /* m, 3 n */
     ssfr_particles given; /* n, radius (m; 0 when the file has none) and the arrays that the file has */
+    double radii[2];      /* m, the least and the largest where each particle has its own */
+    char skipped[256];    /* names of what the file has beside, as far as there is room */
 } ssfr_reading;
 
 typedef ssfr_result ssfr_reader(ssfr_reading *reading);
@@ -72,6 +74,11 @@ enum { SSFR_DEFLATE_MOST = 1032 /* times: no deflated byte makes more */ };
 
 /* Room for n particles' positions. The caller has held n against the file's size. */
 SSFR_MUST ssfr_result ssfr_reading_begin(ssfr_reading *reading, size_t n);
+/* Takes note of something of the particles that is not read. */
+void ssfr_reading_skip(ssfr_reading *reading, const char *name);
+/* When n particles were read, which may be fewer. Their own radius is the reading's if all have the same and the file
+ * says no other. */
+void ssfr_reading_end(ssfr_reading *reading, size_t n);
 void ssfr_reading_finish(ssfr_reading *reading);
 
 /* Where values go: exactly one pointer is set. */
@@ -79,16 +86,19 @@ typedef struct ssfr_target {
     double *positions;
     float *reals;
     uint32_t *wholes;
+    double *radii; /* of the reading: values are held against these two */
     const char *name;
     size_t count; /* values a particle */
 } ssfr_target;
 
 ssfr_target ssfr_target_positions(const ssfr_reading *reading);
+ssfr_target ssfr_target_radii(ssfr_reading *reading);
 /* Makes the array, which the reading must not have yet, and points at it. */
 SSFR_MUST ssfr_result ssfr_target_array(ssfr_reading *reading, const ssfr_array *array, ssfr_target *out);
 
 /* The error line for a value that target's whole numbers cannot hold. */
 ssfr_result ssfr_target_refuse(const ssfr_reading *reading, const ssfr_target *target, size_t i, double value);
+ssfr_result ssfr_target_put_radius(const ssfr_reading *reading, const ssfr_target *target, size_t i, double value);
 
 /* Stores value k of the array, that is component k % count of particle k / count. */
 static inline ssfr_result ssfr_target_put(const ssfr_reading *reading, const ssfr_target *target, size_t k,
@@ -99,6 +109,8 @@ static inline ssfr_result ssfr_target_put(const ssfr_reading *reading, const ssf
         target->positions[k] = value;
     else if (target->reals)
         target->reals[k] = (float)value;
+    else if (target->radii)
+        result = ssfr_target_put_radius(reading, target, k, value);
     else if (value >= 0 && value <= UINT32_MAX && (double)(uint32_t)value == value)
         target->wholes[k] = (uint32_t)value;
     else

@@ -58,7 +58,10 @@ ssfr_sheet_column ssfr_sheet_column_find(const char *name)
 
 ssfr_result ssfr_sheet_add(ssfr_sheet *t, const char *where, const char *name, ssfr_sheet_column column)
 {
-    if (column.place == SSFR_PLACE_NONE) return SSFR_OK;
+    if (column.place == SSFR_PLACE_NONE) {
+        ssfr_reading_skip(t->reading, name);
+        return SSFR_OK;
+    }
     if (t->components[column.place] >> column.component & 1u)
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: two columns for what %s says", where, name);
     t->components[column.place] |= 1u << column.component;
@@ -72,6 +75,7 @@ ssfr_result ssfr_sheet_begin(ssfr_sheet *t, const char *where, size_t n)
         return ssfr_fail(SSFR_ERR_FORMAT, "%s: the particles lack x, y or z", where);
     SSFR_TRY(ssfr_reading_begin(t->reading, n));
     t->targets[SSFR_PLACE_POSITION] = ssfr_target_positions(t->reading);
+    if (t->components[SSFR_PLACE_RADIUS]) t->targets[SSFR_PLACE_RADIUS] = ssfr_target_radii(t->reading);
     for (size_t a = 0; a < SSFR_N_ARRAYS; a++) {
         const unsigned components = t->components[a + 1], all = (1u << ssfr_arrays[a].count) - 1;
         if (components && components != all)
@@ -80,27 +84,6 @@ ssfr_result ssfr_sheet_begin(ssfr_sheet *t, const char *where, size_t n)
     }
 end:
     return result;
-}
-
-ssfr_result ssfr_sheet_put_radius(ssfr_sheet *t, size_t i, double value)
-{
-    if (!(value >= 0 && isfinite(value)))
-        return ssfr_fail(SSFR_ERR_FORMAT, "%s: particle %zu (from 0): radius is %g m", t->reading->path, i, value);
-    t->least = i > 0 ? fmin(t->least, value) : value;
-    t->most = i > 0 ? fmax(t->most, value) : value;
-    return SSFR_OK;
-}
-
-void ssfr_sheet_end(ssfr_sheet *t, size_t n)
-{
-    ssfr_particles *given = &t->reading->given;
-    given->n = n;
-    if (!t->components[SSFR_PLACE_RADIUS] || n == 0 || given->radius != 0) return;
-    if (t->least < t->most)
-        ssfr_log(SSFR_WARNING, "%s: the particles have radii from %g to %g m, none for all: they are not used",
-                 t->reading->path, t->least, t->most);
-    else
-        given->radius = t->least;
 }
 
 /* ---- rows of text ------------------------------------------------------------------------------------------------ */

@@ -31,23 +31,18 @@ typedef struct ssfr_sheet {
     ssfr_reading *reading;
     unsigned components[SSFR_N_PLACES]; /* that have a column, bit k is component k */
     ssfr_target targets[SSFR_N_PLACES];
-    double least, most; /* m, of the radii */
 } ssfr_sheet;
 
-/* Takes note of a column, which must be the only one for its number. `where` starts the error lines: a file, a line. */
+/* Takes note of a column, which must be the only one for its number, or is skipped. `where` starts the error
+ * lines: a file, a line. */
 SSFR_MUST ssfr_result ssfr_sheet_add(ssfr_sheet *sheet, const char *where, const char *name, ssfr_sheet_column column);
 /* Makes room for n particles when all columns were added: a position must be whole, and so must other vectors. */
 SSFR_MUST ssfr_result ssfr_sheet_begin(ssfr_sheet *sheet, const char *where, size_t n);
-/* When n particles were put, which may be fewer. Their radius is the reading's if all have the same and it has none. */
-void ssfr_sheet_end(ssfr_sheet *sheet, size_t n);
-
-SSFR_MUST ssfr_result ssfr_sheet_put_radius(ssfr_sheet *sheet, size_t i, double value);
 
 /* Stores a column's value of particle i. */
 static inline ssfr_result ssfr_sheet_put(ssfr_sheet *t, ssfr_sheet_column column, size_t i, double value)
 {
     if (column.place == SSFR_PLACE_NONE) return SSFR_OK;
-    if (column.place == SSFR_PLACE_RADIUS) return ssfr_sheet_put_radius(t, i, value);
     const ssfr_target *target = t->targets + column.place;
     return ssfr_target_put(t->reading, target, target->count * i + column.component, value);
 }

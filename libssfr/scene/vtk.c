@@ -151,28 +151,54 @@ static ssfr_result read_radius(vtk *v, const scalar *type)
     return SSFR_OK;
 }
 
+static void tell_skipped(vtk *v, const char *name)
+{
+    if (v->owner == OF_POINTS) ssfr_reading_skip(v->reading, name);
+}
+
+/* The values of an array of the points that go to target. */
+static ssfr_result fill(vtk *v, const scalar *type, const ssfr_target *target)
+{
+    ssfr_result result = SSFR_OK;
+    size_t n;
+    SSFR_TRY(check_size(v, type, v->reading->given.n, target->count, &n));
+    SSFR_TRY(type->bits && v->stream.encoding != SSFR_ASCII
+                 ? fill_from_bits(v, target)
+                 : ssfr_stream_fill(&v->stream, type->type, v->reading, target));
+end:
+    return result;
+}
+
+/* An array of the points that is one of ours. */
+static ssfr_result read_known(vtk *v, const ssfr_array *array, const scalar *type, size_t tuples, size_t components)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_particles *given = &v->reading->given;
+    ssfr_target target;
+    if (tuples != given->n || components != array->count || ssfr_array_get(given, array)) {
+        ssfr_log(SSFR_WARNING, "%s: %s skipped: expected one array of %zu x %zu values, found %zu x %zu",
+                 v->reading->path, array->name, given->n, array->count, tuples, components);
+        return skip(v, type, tuples, components);
+    }
+    SSFR_TRY(ssfr_target_array(v->reading, array, &target));
+    SSFR_TRY(fill(v, type, &target));
+end:
+    return result;
+}
+
 /* Reads the array when it is one of ours, else skips it. */
 static ssfr_result read_array(vtk *v, const char *name, const scalar *type, size_t tuples, size_t components)
 {
-    ssfr_result result = SSFR_OK;
     const ssfr_array *array = v->owner == OF_POINTS ? ssfr_array_find(name) : NULL;
-    ssfr_particles *given = &v->reading->given;
-    const bool fits = array && tuples == given->n && components == array->count && !ssfr_array_get(given, array);
-    ssfr_target target;
-    size_t n;
-    if (v->owner == OF_FILE && strcasecmp(name, "radius") == 0 && tuples == 1 && components == 1 && !type->bits)
-        return read_radius(v, type);
-    if (array && !fits)
-        ssfr_log(SSFR_WARNING, "%s: %s skipped: expected one array of %zu x %zu values, found %zu x %zu",
-                 v->reading->path, array->name, given->n, array->count, tuples, components);
-    if (!fits) return skip(v, type, tuples, components);
-    SSFR_TRY(check_size(v, type, tuples, components, &n));
-    SSFR_TRY(ssfr_target_array(v->reading, array, &target));
-    SSFR_TRY(type->bits && v->stream.encoding != SSFR_ASCII
-                 ? fill_from_bits(v, &target)
-                 : ssfr_stream_fill(&v->stream, type->type, v->reading, &target));
-end:
-    return result;
+    const bool radius = strcasecmp(name, "radius") == 0 && components == 1 && !type->bits;
+    if (array) return read_known(v, array, type, tuples, components);
+    if (radius && v->owner == OF_FILE && tuples == 1) return read_radius(v, type);
+    if (radius && v->owner == OF_POINTS && tuples == v->reading->given.n) {
+        const ssfr_target target = ssfr_target_radii(v->reading);
+        return fill(v, type, &target);
+    }
+    tell_skipped(v, name);
+    return skip(v, type, tuples, components);
 }
 
 /* ---- sections: each reads from the words of its first line ------------------------------------------------------- */
@@ -283,6 +309,7 @@ static ssfr_result skip_coordinates(vtk *v, size_t unused)
     const scalar *type = NULL;
     size_t components = 0;
     (void)unused;
+    tell_skipped(v, v->words[1]);
     SSFR_TRY(read_count(v, v->words[2], &components));
     SSFR_TRY(read_type(v, v->words[3], &type));
     SSFR_TRY(skip(v, type, v->n, components));
@@ -314,6 +341,7 @@ static ssfr_result skip_colours(vtk *v, size_t components)
     ssfr_result result = SSFR_OK;
     const scalar *type = NULL;
     size_t n = 0;
+    if (components == 0) tell_skipped(v, v->words[1]);
     SSFR_TRY(read_type(v, "unsigned_char", &type));
     SSFR_TRY(read_count(v, v->words[2], &n));
     SSFR_TRY(skip(v, type, n, components ? components : v->n));
@@ -438,6 +466,7 @@ ssfr_result ssfr_vtk_read(ssfr_reading *reading)
     v.start = file;
     SSFR_TRY(read_header(&v));
     SSFR_TRY(read_sections(&v));
+    ssfr_reading_end(reading, reading->given.n);
 end:
     free(file);
     return result;

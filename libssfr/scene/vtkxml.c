@@ -16,6 +16,8 @@ enum { PARSED = 1 << 28 /* bytes, at once */ };
 
 typedef enum format { TEXT, INLINE, APPENDED } format;
 
+enum { OWN_RADIUS = SSFR_N_ARRAYS }; /* the place behind our arrays, of radii that each point has */
+
 /* A DataArray: where its values are. */
 typedef struct values {
     const char *name; /* NULL: there is no such array */
@@ -28,7 +30,7 @@ typedef struct values {
 
 typedef struct piece {
     size_t n;
-    values points, arrays[SSFR_N_ARRAYS];
+    values points, arrays[OWN_RADIUS + 1];
 } piece;
 
 typedef enum section { OTHER, POINTS, POINT_DATA, FIELD_DATA } section;
@@ -166,21 +168,30 @@ static ssfr_result open_array(vtkxml *x, values *v, const char *name, const char
     return SSFR_OK;
 }
 
+/* Where the values of an array of this name are told; NULL when they are not read. */
+static values *find_values(vtkxml *x, const ssfr_array *array, const char *name)
+{
+    piece *p = x->n_pieces > 0 ? x->pieces + x->n_pieces - 1 : NULL;
+    const bool radius = strcasecmp(name, "radius") == 0;
+    if (x->section == FIELD_DATA && radius) return &x->radius;
+    if (x->section == POINTS && p) return &p->points;
+    if (x->section == POINT_DATA && p && radius) return p->arrays + OWN_RADIUS;
+    return x->section == POINT_DATA && p && array ? p->arrays + (array - ssfr_arrays) : NULL;
+}
+
 /* <DataArray type="Float32" Name="velocity" NumberOfComponents="3" format="appended" offset="0"> */
 static ssfr_result read_array(vtkxml *x, const char **attributes)
 {
-    piece *p = x->n_pieces > 0 ? x->pieces + x->n_pieces - 1 : NULL;
     const char *name = find(attributes, "Name"), *components = find(attributes, "NumberOfComponents");
     const char *type = find(attributes, "type");
-    const ssfr_array *array = x->section == POINT_DATA && p ? ssfr_array_find(name) : NULL;
-    values *v = x->section == FIELD_DATA && strcasecmp(name, "radius") == 0 ? &x->radius : NULL;
-    const size_t count = array ? array->count : v ? 1 : 3;
+    const ssfr_array *array = x->section == POINT_DATA ? ssfr_array_find(name) : NULL;
+    values *v = find_values(x, array, name);
     size_t n = 1;
-    if (p && x->section == POINTS) v = &p->points;
-    if (array) v = p->arrays + (array - ssfr_arrays);
+    if (!v && x->section == POINT_DATA && x->n_pieces == 1) ssfr_reading_skip(x->reading, name);
     if (!v) return SSFR_OK;
+    const size_t count = array ? array->count : x->section == POINTS ? 3 : 1;
     if (*components && !ssfr_parse_count(components, &n)) return expected(x, "NumberOfComponents", components);
-    const char *known = array ? array->name : v == &x->radius ? "radius" : "Points";
+    const char *known = array ? array->name : x->section == POINTS ? "Points" : "radius";
     if (n == count && !v->name && read_type(type, &v->type)) return open_array(x, v, known, attributes);
     if (x->section == POINTS)
         return FAIL(x, line_of(x), SSFR_ERR_FORMAT, "expected one array %s of numbers, %zu a point", known, count);
@@ -523,10 +534,14 @@ static ssfr_result put_array(const vtkxml *x, size_t a)
             n_without += p->n > 0;
     if (n_with == 0) return SSFR_OK;
     if (n_without > 0) {
-        ssfr_log(SSFR_WARNING, "%s: %s skipped: not every Piece has it", x->reading->path, ssfr_arrays[a].name);
+        ssfr_log(SSFR_WARNING, "%s: %s skipped: not every Piece has it", x->reading->path,
+                 a == OWN_RADIUS ? "radius" : ssfr_arrays[a].name);
         return SSFR_OK;
     }
-    SSFR_TRY(ssfr_target_array(x->reading, ssfr_arrays + a, &target));
+    if (a == OWN_RADIUS)
+        target = ssfr_target_radii(x->reading);
+    else
+        SSFR_TRY(ssfr_target_array(x->reading, ssfr_arrays + a, &target));
     for (const piece *p = x->pieces; p < x->pieces + x->n_pieces; first += p->n, p++)
         if (p->n > 0) SSFR_TRY(put_values(x, p->arrays + a, &target, first, p->n));
 end:
@@ -573,7 +588,8 @@ ssfr_result ssfr_vtkxml_read(ssfr_reading *reading)
     SSFR_TRY(begin_reading(&x));
     SSFR_TRY(put_points(&x));
     SSFR_TRY(put_radius(&x));
-    for (size_t a = 0; a < SSFR_N_ARRAYS; a++) SSFR_TRY(put_array(&x, a));
+    for (size_t a = 0; a <= OWN_RADIUS; a++) SSFR_TRY(put_array(&x, a));
+    ssfr_reading_end(reading, reading->given.n);
 end:
     if (x.parser) XML_ParserFree(x.parser);
     free(x.pieces);

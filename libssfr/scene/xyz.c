@@ -97,8 +97,10 @@ static ssfr_result guess_columns(xyz *x)
     const size_t first = !number || (x->counted && n > 3);
     for (size_t k = 0; k < n; k++) {
         const bool known = k >= first && k < first + 3;
+        char name[32];
+        snprintf(name, sizeof name, "column_%zu", k + 1);
         const ssfr_sheet_column column = {known ? SSFR_PLACE_POSITION : SSFR_PLACE_NONE, known ? k - first : 0};
-        SSFR_TRY(ssfr_sheet_add(&x->sheet, r->path, "position", column));
+        SSFR_TRY(ssfr_sheet_add(&x->sheet, r->path, name, column));
         SSFR_TRY(ssfr_rows_add(r, column, known ? "position" : ""));
     }
 end:
@@ -146,7 +148,7 @@ ssfr_result ssfr_xyz_read(ssfr_reading *reading)
     else if (x.rows.at < x.rows.end)
         result = ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s:%zu: the file goes on after its %zu particles: one frame a file",
                            reading->path, x.rows.line, x.n);
-    ssfr_sheet_end(&x.sheet, n);
+    ssfr_reading_end(reading, n);
 end:
     free(file);
     return result;
