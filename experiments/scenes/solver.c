@@ -5,13 +5,17 @@
 #include "base/param.h"
 
 /* Particles at one place know no direction to part in: they are moved by this, in radii. */
-#define JITTER 1e-3
+#define JITTER 1e-2
+#define JITTER_RATE 1e3 /* 1/s, of its directions: another one in every step */
 
 /* Radii that a wave on fluid of this depth may move in a step. The constraint's error at the bottom, which is what
  * four iterations leave of g dt^2, depends on nothing else: here it is about 2.5 %. */
 #define WAVE_CFL 0.6
 
 #define FORGETTING 0.1 /* s, long against steps and short against what one sees */
+
+/* No function of the C library whose last digit may depend on the machine (exp, pow, sin) stands in a step: the same
+ * scene has the same bits on all machines. */
 
 typedef ssfr_solver_params params;
 
@@ -29,7 +33,9 @@ const ssfr_param ssfr_solver_rows[] = {
     SSFR_PARAM_END,
 };
 
-/* ---- creating ----------------------------------------------------------------------------------------------------- */
+#define MAX_DOMAIN 4e6 /* radii along an axis, which the grid can tell apart */
+
+/* ---- creating ---------------------------------------------------------------------------------------------------- */
 
 static ssfr_result check_setup(const ssfr_solver_setup *s)
 {
@@ -37,9 +43,13 @@ static ssfr_result check_setup(const ssfr_solver_setup *s)
         return ssfr_fail(SSFR_ERR_VALUE, "solver: radius %g m: expected a positive number", s->radius);
     for (int k = 0; k < 3; k++) {
         if (!isfinite(s->gravity[k]))
-            return ssfr_fail(SSFR_ERR_VALUE, "solver: gravity %g m/s^2 along %c is not finite", s->gravity[k], "xyz"[k]);
+            return ssfr_fail(SSFR_ERR_VALUE, "solver: gravity %g m/s^2 along %c is not finite", s->gravity[k],
+                             "xyz"[k]);
         if (!(s->lo[k] < s->hi[k] && isfinite(s->lo[k]) && isfinite(s->hi[k])))
             return ssfr_fail(SSFR_ERR_VALUE, "solver: domain from %g to %g m along %c", s->lo[k], s->hi[k], "xyz"[k]);
+        if (!(s->hi[k] - s->lo[k] < MAX_DOMAIN * s->radius))
+            return ssfr_fail(SSFR_ERR_VALUE, "solver: a domain of %g m along %c: at most %g radii", s->hi[k] - s->lo[k],
+                             "xyz"[k], MAX_DOMAIN);
     }
     for (const ssfr_param *row = ssfr_solver_rows; row->name; row++) {
         const double value = ssfr_param_number(row, &s->params);
@@ -119,7 +129,7 @@ void ssfr_solver_destroy(ssfr_solver **solver)
     *solver = NULL;
 }
 
-/* ---- the step ----------------------------------------------------------------------------------------------------- */
+/* ---- the step ---------------------------------------------------------------------------------------------------- */
 
 /* Speed of the longest waves on the fluid, sqrt(|g| depth), m/s. The depth is taken from where the fluid is on average:
  * for a pool at rest it is exact, and what is in the air only makes it larger. */
@@ -155,7 +165,7 @@ double ssfr_solver_limit(const ssfr_solver *solver)
  * as long as those before it, whose length is forgotten slowly. */
 static void soften(ssfr_solver *solver, double dt)
 {
-    solver->felt_step = fmax(dt, solver->felt_step * exp(-dt / FORGETTING));
+    solver->felt_step = fmax(dt, solver->felt_step / (1 + dt / FORGETTING));
     solver->stiffness = (float)ssfr_square(dt / solver->felt_step);
 }
 
@@ -165,17 +175,20 @@ static void predict(ssfr_solver *solver, double dt)
     const double *g = solver->setup.gravity;
     const ssfr_lanes change = {(float)(g[0] * dt), (float)(g[1] * dt), (float)(g[2] * dt), 0};
 #pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < solver->n; i++) {
-        solver->moved[i] = (solver->v[i] + change) * (float)dt;
-    }
+    for (size_t i = 0; i < solver->n; i++) solver->moved[i] = (solver->v[i] + change) * (float)dt;
 }
 
-/* A direction that depends on the particle alone. */
-static ssfr_lanes jitter(uint32_t id)
+/* A place in the cube [-1, 1]^3 that depends on the particle and the time alone: digits of multiples of numbers that
+ * spread evenly (Roberts 2018, R_3). It changes with time, because in a corner of walls not every direction helps. */
+static ssfr_lanes jitter(uint32_t id, double time)
 {
-    const double phi = 2.399963229728653 * id, z = 2 * fmod(0.6180339887498949 * (double)id, 1) - 1;
-    const double across = sqrt(1 - z * z);
-    return (ssfr_lanes){(float)(across * cos(phi)), (float)z, (float)(across * sin(phi)), 0};
+    static const double step[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    ssfr_lanes out = {0};
+    for (int k = 0; k < 3; k++) {
+        const double value = step[k] * ((double)id + JITTER_RATE * time);
+        out[k] = (float)(2 * (value - floor(value)) - 1);
+    }
+    return out;
 }
 
 /* Where the iterations begin; contacts may have put x elsewhere. */
@@ -184,7 +197,7 @@ static void begin_iterations(ssfr_solver *solver)
     const float apart = (float)(JITTER * solver->setup.radius);
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < solver->n; i++) {
-        if (solver->labels[i].crowded) solver->moved[i] += apart * jitter(solver->labels[i].id);
+        if (solver->labels[i].crowded) solver->moved[i] += apart * jitter(solver->labels[i].id, solver->time);
         const ssfr_lanes to = solver->x[i] + solver->moved[i];
         solver->at[i] = ssfr_solver_project(solver, i, to);
         solver->moved[i] += solver->at[i] - to;
@@ -228,20 +241,25 @@ static ssfr_result arrive(ssfr_solver *solver, double dt)
 ssfr_result ssfr_solver_step(ssfr_solver *solver, double dt, int n_obstacles, const ssfr_obstacle *obstacles)
 {
     ssfr_result result = SSFR_OK;
+    ssfr_obstacle near[SSFR_MAX_OBSTACLES]; /* relative to the solver's origin */
     if (!(dt >= 0 && isfinite(dt))) return ssfr_fail(SSFR_ERR_VALUE, "solver: a step of %g s", dt);
     if (n_obstacles > SSFR_MAX_OBSTACLES)
         return ssfr_fail(SSFR_ERR_VALUE, "solver: %d obstacles, at most %d", n_obstacles, SSFR_MAX_OBSTACLES);
-    if (solver->stale) SSFR_TRY(ssfr_solver_arrange(solver));
     if (!(dt > 0)) goto end;
+    if (solver->stale) SSFR_TRY(ssfr_solver_sort(solver));
+    solver->stale = false; /* densities are summed at the end */
     soften(solver, dt);
     predict(solver, dt);
-    SSFR_TRY(ssfr_solver_find_contacts(solver, n_obstacles, obstacles));
+    for (int o = 0; o < n_obstacles; o++)
+        near[o] = (ssfr_obstacle){ssfr_solver_local(solver, &obstacles[o].before),
+                                  ssfr_solver_local(solver, &obstacles[o].now), obstacles[o].friction};
+    SSFR_TRY(ssfr_solver_find_contacts(solver, true, n_obstacles, near));
     begin_iterations(solver);
     for (int i = 0; i < solver->setup.params.iterations; i++) {
         ssfr_solver_find_multipliers(solver);
         ssfr_solver_correct(solver);
     }
-    ssfr_solver_finish_contacts(solver, dt, obstacles);
+    ssfr_solver_finish_contacts(solver, dt, near);
     solver->time += dt;
     SSFR_TRY(arrive(solver, dt));
     ssfr_solver_drop_left(solver);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* solver_boundary.c: walls of the domain and obstacles, as planes through the points of them that are nearest. */
+/* solver_boundary.c: walls of the domain and obstacles, as planes through the points of them that are nearest. All
+ * places are relative to the solver's origin. */
 #include "experiments/scenes/solver_internal.h"
 
 #define TOUCHING 1.0 /* radii from a surface, below which there is friction */
@@ -9,7 +10,7 @@
 /* An obstacle in this step. */
 typedef struct moving {
     const ssfr_obstacle *obstacle;
-    double lo[3], hi[3]; /* m, world, its bounds at the step's end */
+    double lo[3], hi[3]; /* m, its bounds at the step's end */
     bool still;
     double turn;         /* bound on how much further than another a place moves, a metre between them */
 } moving;
@@ -43,19 +44,19 @@ static void carry(const ssfr_obstacle *o, const double at[3], double out[3])
     ssfr_solid_world(&o->now, local, out);
 }
 
-static void to_world(const ssfr_solver *solver, ssfr_lanes x, double out[3])
+static void widen(ssfr_lanes x, double out[3])
 {
-    for (int k = 0; k < 3; k++) out[k] = solver->origin[k] + (double)x[k];
+    for (int k = 0; k < 3; k++) out[k] = (double)x[k];
 }
 
-/* ---- finding ------------------------------------------------------------------------------------------------------ */
+/* ---- finding ----------------------------------------------------------------------------------------------------- */
 
 typedef struct finding {
     const moving *obstacles;
     int n_obstacles;
     double reach;   /* m, from which a surface is not felt */
     double closest; /* m */
-    double rate;    /* m, that a particle found too close is moved away, a step */
+    double rate;    /* m, that a particle found too close is moved away, a step; 0 outside of a step */
     int n;
     ssfr_contact found[SSFR_MAX_CONTACTS];
     double distance[SSFR_MAX_CONTACTS];
@@ -81,7 +82,8 @@ static void add(finding *f, const double normal[3], const double on[3], double d
  * this returns (m), without a velocity; out at once, but then slowly. *keep is how near it may come in this step. */
 static double make_room(const finding *f, double begin, double *keep)
 {
-    const double shift = begin < f->closest ? fmin(fmax(-begin, 0) + f->rate, f->closest - begin) : 0;
+    const bool close = f->rate > 0 && begin < f->closest;
+    const double shift = close ? fmin(fmax(-begin, 0) + f->rate, f->closest - begin) : 0;
     *keep = fmin(begin + shift, f->closest);
     return shift;
 }
@@ -116,8 +118,8 @@ static void find_obstacle(finding *f, ssfr_solver *solver, size_t i, int o)
 {
     const ssfr_solid *solid = &f->obstacles[o].obstacle->now;
     double from[3], to[3], path[3], normal[3], enter[3], on[3], keep = f->closest;
-    to_world(solver, solver->x[i], from);
-    to_world(solver, solver->x[i] + solver->moved[i], to);
+    widen(solver->x[i], from);
+    widen(solver->x[i] + solver->moved[i], to);
     if (!f->obstacles[o].still) carry(f->obstacles[o].obstacle, from, from);
     for (int k = 0; k < 3; k++) path[k] = to[k] - from[k];
     double distance = ssfr_solid_distance(solid, to, normal), t = -1;
@@ -140,22 +142,24 @@ static void find_obstacle(finding *f, ssfr_solver *solver, size_t i, int o)
         distance = ssfr_dot(normal, to) - ssfr_dot(normal, on);
     }
     if (distance >= f->reach) return;
-    for (int k = 0; k < 3; k++) on[k] -= solver->origin[k];
     add(f, normal, on, distance, keep, o);
+}
+
+static double length(ssfr_lanes a)
+{
+    return sqrt((double)a[0] * (double)a[0] + (double)a[1] * (double)a[1] + (double)a[2] * (double)a[2]);
 }
 
 /* Bit o is set when a particle of the cell may feel obstacle o in this step. */
 static uint64_t obstacles_near(const finding *f, const ssfr_solver *solver, ssfr_grid_range members)
 {
     uint64_t near = 0;
-    double at[3], normal[3], longest = 0;
-    to_world(solver, solver->x[members.begin], at);
+    double at[3], normal[3], around = 0; /* m, from the first particle to any other and to where that goes */
+    widen(solver->x[members.begin], at);
     for (size_t i = members.begin; i < members.end; i++) {
-        const ssfr_lanes m = solver->moved[i];
-        longest = fmax(longest, sqrt((double)(m[0] * m[0] + m[1] * m[1] + m[2] * m[2])));
+        const ssfr_lanes d = solver->x[i] - solver->x[members.begin];
+        around = fmax(around, length(d) + length(solver->moved[i]));
     }
-    /* From the first particle to any other and to where that goes. */
-    const double around = sqrt(3) * 1.001 * (double)solver->kernel.support + longest;
     for (int o = 0; o < f->n_obstacles; o++) {
         const moving *m = f->obstacles + o;
         double outside = 0, carried[3], limit = f->reach + 2 * around;
@@ -194,7 +198,8 @@ static void find_in_cell(ssfr_solver *solver, const finding *all, size_t cell, s
     }
 }
 
-ssfr_result ssfr_solver_find_contacts(ssfr_solver *solver, int n_obstacles, const ssfr_obstacle *obstacles)
+ssfr_result ssfr_solver_find_contacts(ssfr_solver *solver, bool in_step, int n_obstacles,
+                                      const ssfr_obstacle *obstacles)
 {
     ssfr_result result = SSFR_OK;
     moving prepared[SSFR_MAX_OBSTACLES];
@@ -202,7 +207,7 @@ ssfr_result ssfr_solver_find_contacts(ssfr_solver *solver, int n_obstacles, cons
     for (int o = 0; o < n_obstacles; o++) prepared[o] = prepare(obstacles + o);
     /* Corrections in the step may move a particle closer by about a radius. */
     const finding all = {.obstacles = prepared, .n_obstacles = n_obstacles, .closest = solver->closest,
-                         .rate = LEAVING * radius, .reach = (double)solver->kernel.support + radius};
+                         .rate = in_step ? LEAVING * radius : 0, .reach = (double)solver->kernel.support + radius};
     for (;;) {
         const size_t n_cells = ssfr_grid_n_cells(solver->grid);
         size_t used = 0;
@@ -219,7 +224,7 @@ end:
     return result;
 }
 
-/* ---- using -------------------------------------------------------------------------------------------------------- */
+/* ---- using ------------------------------------------------------------------------------------------------------- */
 
 static float distance_from(const ssfr_contact *contact, ssfr_lanes x)
 {
@@ -261,7 +266,7 @@ ssfr_lanes ssfr_solver_project(const ssfr_solver *solver, size_t i, ssfr_lanes x
 static void rub(ssfr_solver *solver, size_t i, const ssfr_obstacle *obstacle, const double normal[3], double share)
 {
     double at[3], motion[3], slip[3];
-    to_world(solver, solver->x[i] + solver->moved[i], at);
+    widen(solver->x[i] + solver->moved[i], at);
     ssfr_obstacle_motion(obstacle, at, motion);
     for (int k = 0; k < 3; k++) slip[k] = (double)solver->moved[i][k] - motion[k];
     const double along = ssfr_dot(slip, normal);
@@ -277,12 +282,15 @@ static void finish_obstacle(ssfr_solver *solver, size_t i, double dt, const ssfr
     const ssfr_lanes x = solver->x[i] + solver->moved[i];
     double at[3], normal[3];
     if ((double)distance_from(contact, x) > touching) return;
-    to_world(solver, x, at);
-    const double distance = ssfr_solid_distance(&obstacle->now, at, normal), short_by = (double)contact->keep - distance;
+    widen(x, at);
+    const double distance = ssfr_solid_distance(&obstacle->now, at, normal);
+    const double short_by = (double)contact->keep - distance;
     if (short_by > 0)
         for (int k = 0; k < 3; k++) solver->moved[i][k] += (float)(short_by * normal[k]);
-    if (obstacle->friction > 0 && distance < touching)
-        rub(solver, i, obstacle, normal, 1 - pow(1 - obstacle->friction, dt / solver->setup.params.max_step));
+    /* Drag that takes away the share `friction` in a step of max_step, by the implicit Euler scheme. */
+    const double part = obstacle->friction * dt / solver->setup.params.max_step;
+    const double share = part / fmax(1 - obstacle->friction + part, 1e-300);
+    if (obstacle->friction > 0 && distance < touching) rub(solver, i, obstacle, normal, share);
 }
 
 static void finish(ssfr_solver *solver, size_t i, double dt, const ssfr_obstacle *obstacles)

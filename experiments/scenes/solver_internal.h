@@ -71,6 +71,14 @@ struct ssfr_solver {
     ssfr_grid *grid;
 };
 
+/* The solid relative to the solver's origin: far from the world's, it is as exact as at it. */
+static inline ssfr_solid ssfr_solver_local(const ssfr_solver *solver, const ssfr_solid *solid)
+{
+    ssfr_solid local = *solid;
+    for (int k = 0; k < 3; k++) local.centre[k] -= solver->origin[k];
+    return local;
+}
+
 /* Makes room for n particles, those there are keep their values. */
 SSFR_MUST ssfr_result ssfr_solver_reserve(ssfr_solver *solver, size_t n);
 /* Sorts particles by cells and lists neighbours; densities are not summed. */
@@ -82,7 +90,7 @@ void ssfr_solver_publish(ssfr_solver *solver);
 /* Removes what has left by an open side. */
 void ssfr_solver_drop_left(ssfr_solver *solver);
 
-/* ---- solver_passes.c: each is a loop over all particles ----------------------------------------------------------- */
+/* ---- solver_passes.c: each is a loop over all particles ---------------------------------------------------------- */
 
 SSFR_MUST ssfr_result ssfr_solver_list(ssfr_solver *solver);
 void ssfr_solver_sum_density(ssfr_solver *solver);
@@ -91,10 +99,12 @@ void ssfr_solver_correct(ssfr_solver *solver);
 /* XSPH and vorticity confinement. */
 void ssfr_solver_smooth_velocity(ssfr_solver *solver, double dt);
 
-/* ---- solver_boundary.c ------------------------------------------------------------------------------------------ */
+/* ---- solver_boundary.c ------------------------------------------------------------------------------------------- */
 
-/* Finds the contacts of all particles around where they are predicted to go. */
-SSFR_MUST ssfr_result ssfr_solver_find_contacts(ssfr_solver *solver, int n_obstacles, const ssfr_obstacle *obstacles);
+/* Finds the contacts of all particles around where they are predicted to go. In a step, those that begin it too close
+ * to something are moved. */
+SSFR_MUST ssfr_result ssfr_solver_find_contacts(ssfr_solver *solver, bool in_step, int n_obstacles,
+                                                const ssfr_obstacle *obstacles);
 /* The density that walls and obstacles add at x, in units of the rest density; its gradient goes to gradient. */
 float ssfr_solver_boundary(const ssfr_solver *solver, size_t i, ssfr_lanes x, float gradient[3]);
 /* x, moved out of what it touches. */

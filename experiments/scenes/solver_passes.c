@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* solver_passes.c: the solver's sums over neighbours, four at a time. Equation numbers are Macklin and Mueller's (2013). */
+/* solver_passes.c: the solver's sums over neighbours, four at a time. Equations are Macklin and Mueller's (2013). */
 #include "experiments/scenes/solver_internal.h"
 
-#define COINCIDE 1e-4f /* supports: particles as near as that stand at one place */
+#define COINCIDE 1e-3f /* supports: particles as near as that stand at one place */
+#define MOST 0.1f       /* of the constraint: what is denser was put there, and is not thrown out at once */
 #define FEWEST 1e-6f   /* of the gradients at rest: keeps divisors positive where a particle is alone */
 
 /* Four neighbours of a particle: x_i - x_j, the distance, and the neighbours' fourth lane. */
@@ -24,7 +25,7 @@ static inline ssfr_lanes apart(ssfr_lanes r)
     return r + 1e-20f;
 }
 
-/* ---- lists of neighbours ------------------------------------------------------------------------------------------ */
+/* ---- lists of neighbours ----------------------------------------------------------------------------------------- */
 
 /* The lanes whose bits are set, in the first places; and how many. */
 static const struct {
@@ -59,7 +60,7 @@ static size_t list_range(const ssfr_solver *solver, size_t i, ssfr_grid_range ra
     return n;
 }
 
-/* Lists the neighbours of all particles of a cell; false when there was no room, but then *used is right. */
+/* Lists the neighbours of all particles of a cell, as far as there is room; *used grows by all that they take. */
 static void list_cell(ssfr_solver *solver, size_t cell, size_t *used)
 {
     const ssfr_grid_range members = ssfr_grid_cell_at(solver->grid, cell);
@@ -104,7 +105,7 @@ end:
     return result;
 }
 
-/* ---- density ------------------------------------------------------------------------------------------------------ */
+/* ---- density ----------------------------------------------------------------------------------------------------- */
 
 void ssfr_solver_sum_density(ssfr_solver *solver)
 {
@@ -121,10 +122,10 @@ void ssfr_solver_sum_density(ssfr_solver *solver)
     }
 }
 
-/* ---- the density constraint --------------------------------------------------------------------------------------- */
+/* ---- the density constraint -------------------------------------------------------------------------------------- */
 
-/* lambda_i = -C_i / (sum_k |grad_k C_i|^2 + eps), eq. 11, where C_i = rho_i / rho0 - 1, eq. 1. The sum of all changes stays
- * at or below 0: particles push each other, but do not pull. */
+/* lambda_i = -C_i / (sum_k |grad_k C_i|^2 + eps), eq. 11, where C_i = rho_i / rho0 - 1, eq. 1. The sum of all changes
+ * stays at or below 0: particles push each other, but do not pull. */
 static float find_multiplier(ssfr_solver *solver, size_t i)
 {
     const uint32_t *list = solver->listed + solver->list_begin[i];
@@ -141,7 +142,7 @@ static float find_multiplier(ssfr_solver *solver, size_t i)
     const float behind = ssfr_solver_boundary(solver, i, xi, g);
     const ssfr_lanes own = {ssfr_lanes_sum(gx) + g[0], ssfr_lanes_sum(gy) + g[1], ssfr_lanes_sum(gz) + g[2], 0};
     const float rest = solver->rest;
-    const float constraint = (solver->kernel.value + ssfr_lanes_sum(density) + behind) / rest - 1;
+    const float constraint = fminf((solver->kernel.value + ssfr_lanes_sum(density) + behind) / rest - 1, MOST);
     const float all = (ssfr_lanes_sum(squares) + ssfr_lanes_sum(own * own)) / (rest * rest) +
                       (float)solver->setup.params.relaxation * solver->gradients;
     float *total = &solver->labels[i].multiplier;
@@ -202,14 +203,14 @@ void ssfr_solver_correct(ssfr_solver *solver)
 {
     const ssfr_solver_params *p = &solver->setup.params;
     const float dq = (float)p->pressure_dq * solver->kernel.support;
-    const tension t = {.k = (float)p->pressure_k / solver->gradients,
+    const tension t = {.k = (float)p->pressure_k * solver->stiffness / solver->gradients,
                        .per_value = 1 / ssfr_kernel_value(&solver->kernel, ssfr_lanes_all(dq))[0],
                        .n = p->pressure_n};
 #pragma omp parallel for schedule(dynamic, SSFR_PASS_CHUNK)
     for (size_t i = 0; i < solver->n; i++) correct(solver, i, &t);
 }
 
-/* ---- velocity ----------------------------------------------------------------------------------------------------- */
+/* ---- velocity ---------------------------------------------------------------------------------------------------- */
 
 /* omega_i = curl v = sum_j V (v_j - v_i) x grad_j W, eq. 15, where grad_j W = -grad_i W. */
 static ssfr_lanes find_vorticity(const ssfr_solver *solver, size_t i)

@@ -4,7 +4,7 @@
 
 #include <sys/stat.h>
 
-/* ---- memory --------------------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 /* An array of `size` bytes an item with room for n, that keeps the first n_kept. */
 static ssfr_result grow(void *array, size_t n_kept, size_t n, size_t size)
@@ -26,7 +26,7 @@ ssfr_result ssfr_solver_reserve(ssfr_solver *solver, size_t n)
     ssfr_solver *s = solver;
     if (s->x && n <= s->capacity) return SSFR_OK;
     size_t room = n + n / 8;
-    if (s->setup.max_particles && room > s->setup.max_particles) room = n > s->setup.max_particles ? n : s->setup.max_particles;
+    if (room > s->setup.max_particles) room = s->setup.max_particles;
     ssfr_lanes **const lanes[] = {&s->x, &s->at, &s->from, &s->moved, &s->v};
     for (size_t a = 0; a < SSFR_COUNT(lanes); a++)
         SSFR_TRY(grow(lanes[a], s->n, room + SSFR_LANES, sizeof **lanes[a]));
@@ -48,12 +48,13 @@ size_t ssfr_solver_bytes(const ssfr_solver *solver)
 {
     const ssfr_solver *s = solver;
     const size_t per_particle = 5 * sizeof *s->x + 2 * sizeof *s->labels + 9 * sizeof *s->position +
-                                sizeof *s->density + sizeof *s->neighbours + sizeof *s->list_begin + sizeof *s->list_end;
+                                sizeof *s->density + sizeof *s->neighbours + sizeof *s->list_begin +
+                                sizeof *s->list_end;
     return sizeof *s + s->capacity * per_particle + s->listed_capacity * sizeof *s->listed +
            s->contacts_capacity * sizeof *s->contacts + ssfr_grid_bytes(s->grid);
 }
 
-/* ---- order ---------------------------------------------------------------------------------------------------------- */
+/* ---- order ------------------------------------------------------------------------------------------------------- */
 
 void ssfr_solver_publish(ssfr_solver *solver)
 {
@@ -82,7 +83,8 @@ static void sort(ssfr_solver *solver)
     ssfr_grid_settle(solver->grid);
 }
 
-/* Fills up lists: so far from everything that no kernel reaches it, near enough that squares of distances are finite. */
+/* Fills up lists: so far from everything that no kernel reaches it, near enough that squares of distances are
+ * finite. */
 static void place_filler(ssfr_solver *solver)
 {
     const size_t n = solver->n;
@@ -94,7 +96,7 @@ static void place_filler(ssfr_solver *solver)
 static ssfr_result find_walls(ssfr_solver *solver)
 {
     memset(solver->moved, 0, solver->n * sizeof *solver->moved);
-    return ssfr_solver_find_contacts(solver, 0, NULL);
+    return ssfr_solver_find_contacts(solver, false, 0, NULL);
 }
 
 ssfr_result ssfr_solver_sort(ssfr_solver *solver)
@@ -121,13 +123,14 @@ end:
     return result;
 }
 
-/* ---- adding and removing -------------------------------------------------------------------------------------------- */
+/* ---- adding and removing ----------------------------------------------------------------------------------------- */
 
 ssfr_result ssfr_solver_add(ssfr_solver *solver, size_t n, const double *positions, const float *velocities)
 {
     ssfr_result result = SSFR_OK;
     const size_t room = solver->setup.max_particles - solver->n;
     const size_t first = solver->n, n_added = n < room ? n : room;
+    const double outside = (double)solver->kernel.support;
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < 3; k++)
             if (!isfinite(positions[3 * i + k]) || (velocities && !isfinite(velocities[3 * i + k])))
@@ -138,7 +141,9 @@ ssfr_result ssfr_solver_add(ssfr_solver *solver, size_t n, const double *positio
     for (size_t i = 0; i < n_added; i++) {
         ssfr_lanes x = {0}, v = {0};
         for (size_t k = 0; k < 3; k++) {
-            x[k] = (float)(positions[3 * i + k] - solver->origin[k]);
+            /* What is outside comes to a wall in the first step, or leaves: how far outside makes no difference. */
+            x[k] = (float)ssfr_clamp(positions[3 * i + k] - solver->origin[k], solver->lo[k] - outside,
+                                     solver->hi[k] + outside);
             v[k] = velocities ? velocities[3 * i + k] : 0;
         }
         solver->x[first + i] = x;
@@ -182,22 +187,23 @@ void ssfr_solver_drop_left(ssfr_solver *solver)
 
 size_t ssfr_solver_remove(ssfr_solver *solver, const ssfr_solid *sink)
 {
+    const ssfr_solid local = ssfr_solver_local(solver, sink);
     double lo[3], hi[3];
-    ssfr_solid_bounds(sink, lo, hi);
+    ssfr_solid_bounds(&local, lo, hi);
 #pragma omp parallel for schedule(dynamic, SSFR_PASS_CHUNK)
     for (size_t i = 0; i < solver->n; i++) {
         double at[3], normal[3];
         bool inside = true;
         for (int k = 0; k < 3; k++) {
-            at[k] = solver->origin[k] + (double)solver->x[i][k];
+            at[k] = (double)solver->x[i][k];
             inside = inside && at[k] >= lo[k] && at[k] <= hi[k];
         }
-        solver->spare_labels[i].id = inside && ssfr_solid_distance(sink, at, normal) < 0;
+        solver->spare_labels[i].id = inside && ssfr_solid_distance(&local, at, normal) < 0;
     }
     return drop_marked(solver);
 }
 
-/* ---- what others see ------------------------------------------------------------------------------------------------ */
+/* ---- what others see --------------------------------------------------------------------------------------------- */
 
 /* Sums are made when they are asked for first after particles came or went; then nothing else of the solver changes. */
 static ssfr_result settle(const ssfr_solver *solver)
@@ -242,7 +248,7 @@ end:
     return result;
 }
 
-/* ---- writing and reading ------------------------------------------------------------------------------------------- */
+/* ---- writing and reading ----------------------------------------------------------------------------------------- */
 
 static const char magic[8] = "ssfrpbf";
 
@@ -304,9 +310,13 @@ static ssfr_result read_header(const ssfr_solver *solver, FILE *file, header *h)
 static ssfr_result read_record(ssfr_solver *solver, FILE *file, size_t i, const header *h)
 {
     record r;
-    if (fread(&r, sizeof r, 1, file) != 1) return ssfr_fail(SSFR_ERR_FORMAT, "solver: the state ends in particle %zu", i);
+    if (fread(&r, sizeof r, 1, file) != 1)
+        return ssfr_fail(SSFR_ERR_FORMAT, "solver: the state ends in particle %zu", i);
     bool ok = r.id < h->next_id && r.birth >= 0 && r.birth <= h->time;
-    for (int k = 0; k < 3; k++) ok = ok && isfinite(r.x[k]) && isfinite(r.v[k]);
+    const double outside = 1.001 * (double)solver->kernel.support; /* as far as those that were added may stand */
+    for (int k = 0; k < 3; k++)
+        ok = ok && isfinite(r.v[k]) && (double)r.x[k] > solver->lo[k] - outside &&
+             (double)r.x[k] < solver->hi[k] + outside;
     ok = ok && isfinite(r.density);
     if (!ok) return ssfr_fail(SSFR_ERR_FORMAT, "solver: the state's particle %zu is malformed", i);
     solver->x[i] = (ssfr_lanes){r.x[0], r.x[1], r.x[2], 0};
@@ -322,6 +332,7 @@ ssfr_result ssfr_solver_read(ssfr_solver *solver, FILE *file)
     header h;
     SSFR_TRY(read_header(solver, file, &h));
     solver->n = 0; /* whatever happens from here on */
+    solver->stale = true;
     SSFR_TRY(ssfr_solver_reserve(solver, (size_t)h.n));
     for (size_t i = 0; i < (size_t)h.n; i++) SSFR_TRY(read_record(solver, file, i, &h));
     solver->n = (size_t)h.n;
