@@ -9,7 +9,7 @@
 #include "experiments/scenes/fluid.h"
 
 /* Grows whenever the same scene would give other bits: frames made before are then made anew. */
-enum { SSFR_SOLVER_VERSION = 1 };
+enum { SSFR_SOLVER_VERSION = 2 };
 
 typedef struct ssfr_solver_params {
     double max_step;      /* s, the longest step */
@@ -49,7 +49,7 @@ size_t ssfr_solver_remove(ssfr_solver *solver, const ssfr_solid *sink);
  * max_step. */
 double ssfr_solver_limit(const ssfr_solver *solver);
 /* Advances by dt (s). Fails with SSFR_ERR_VALUE, naming the particle, when a value is no longer finite; the solver is
- * then of no further use. */
+ * then of no further use. Friction is taken as the share in a step of max_step. */
 SSFR_MUST ssfr_result ssfr_solver_step(ssfr_solver *solver, double dt, int n_obstacles,
                                        const ssfr_obstacle *obstacles);
 
