@@ -499,6 +499,26 @@ static void a_thin_plate_that_moves_takes_all_the_fluid_along(void **state)
     ssfr_solver_destroy(&solver);
 }
 
+static void a_plate_that_jumps_past_a_particle_takes_it_along(void **state)
+{
+    (void)state;
+    ssfr_solver_setup s = make_setup(2, 1, 1);
+    s.gravity[1] = 0;
+    ssfr_solver *solver = make(&s);
+    assert_int_equal(ssfr_solver_add(solver, 2, (double[]){0.7, 0.4, 0.5, 0.2, 0.6, 0.5}, NULL), SSFR_OK);
+    const ssfr_obstacle plate = {make_box(0.3, 0.5, 0.5, radius, 1, 1), make_box(1.3, 0.5, 0.5, radius, 1, 1), 0};
+    assert_int_equal(ssfr_solver_step(solver, 0.008, 1, &plate), SSFR_OK);
+    ssfr_particles *p = export(solver);
+    for (size_t i = 0; i < 2; i++) {
+        double at[3];
+        ssfr_particles_position(p, i, at);
+        /* What stood before it is on its face; what stood behind it has not been met. */
+        assert_close(at[0], p->id[i] == 0 ? 1.3 + radius + 0.5 * spacing : 0.2, 1e-6, 0);
+    }
+    ssfr_particles_destroy(&p);
+    ssfr_solver_destroy(&solver);
+}
+
 static void a_turning_paddle_lets_nothing_through(void **state)
 {
     (void)state;
@@ -988,7 +1008,7 @@ static void a_particle_takes_at_most_512_bytes(void **state)
     for (int n = 0; n < 3; n++) step(solver, 0.006);
     assert_true(ssfr_solver_bytes(solver) < 512 * 4096 + (1 << 18)); /* with the grid's counts for sorting */
     ssfr_solver_destroy(&solver);
-    ssfr_solver_destroy(&solver);
+    ssfr_solver_destroy(&solver); /* of nothing */
 }
 
 int main(void)
@@ -1010,6 +1030,7 @@ int main(void)
         cmocka_unit_test(artificial_pressure_parts_particles_that_are_close),
         cmocka_unit_test(nothing_comes_through_a_thin_wall_however_fast),
         cmocka_unit_test(a_thin_plate_that_moves_takes_all_the_fluid_along),
+        cmocka_unit_test(a_plate_that_jumps_past_a_particle_takes_it_along),
         cmocka_unit_test(a_turning_paddle_lets_nothing_through),
         cmocka_unit_test(friction_drags_what_touches_and_only_then),
         cmocka_unit_test(particles_that_begin_in_a_solid_are_put_on_its_surface_at_rest),

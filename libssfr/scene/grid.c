@@ -91,7 +91,7 @@ end:
     return result;
 }
 
-/* ---- keys --------------------------------------------------------------------------------------------------------- */
+/* ---- keys -------------------------------------------------------------------------------------------------------- */
 
 /* Whole coordinates of the cell that holds `at`; false where they lie outside [-reach, reach) or `at` is not finite. */
 static bool find_cell(const ssfr_grid *grid, double reach, const float at[3], int cell[3])
@@ -148,7 +148,7 @@ static ssfr_result find_bounds(ssfr_grid *grid, size_t n, const float *points)
     return SSFR_OK;
 }
 
-/* ---- sorting: stable, hence the same for any number of chunks and threads ------------------------------------------ */
+/* ---- sorting: stable, hence the same for any number of chunks and threads ---------------------------------------- */
 
 static void sort_by_digit(ssfr_grid *grid, int n_chunks, int shift, int digit_bits)
 {
@@ -193,7 +193,7 @@ static void sort(ssfr_grid *grid)
     }
 }
 
-/* ---- cells and rows ------------------------------------------------------------------------------------------------ */
+/* ---- cells and rows ---------------------------------------------------------------------------------------------- */
 
 /* Where the search for a row begins. The multiplier is 2^64 over the golden ratio (Knuth, volume 3, section 6.4). */
 static size_t hash_row(const ssfr_grid *grid, uint64_t row)
@@ -264,7 +264,7 @@ end:
     return result;
 }
 
-/* ---- looking up ---------------------------------------------------------------------------------------------------- */
+/* ---- looking up -------------------------------------------------------------------------------------------------- */
 
 const uint32_t *ssfr_grid_order(const ssfr_grid *grid)
 {
