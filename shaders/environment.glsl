@@ -24,10 +24,11 @@ vec3 map_texel(ivec2 p)
     return texelFetch(t_environment, ivec2((p.x + size.x) % size.x, clamp(p.y, 0, size.y - 1)), 0).rgb;
 }
 
-// Between four texels: around the globe they close up, at the poles they end.
+// Between four texels: around the globe they close up, at the poles they end. A zero vector is level, towards +z.
 vec3 map_at(vec3 dir)
 {
-    vec2 q = vec2(0.5 - atan(dir.x, dir.z) / (2.0 * PI), atan(length(dir.xz), dir.y) / PI) * frame.map.xy - 0.5;
+    float level = max(length(dir.xz), 1e-20), z = dir.x == 0.0 && dir.z == 0.0 ? 1.0 : dir.z;
+    vec2 q = vec2(0.5 - atan(dir.x, z) / (2.0 * PI), atan(level, dir.y) / PI) * frame.map.xy - 0.5;
     vec2 f = floor(q), a = q - f;
     ivec2 i = ivec2(f);
     return mix(mix(map_texel(i), map_texel(i + ivec2(1, 0)), a.x),

@@ -529,6 +529,22 @@ static void the_poles_are_the_first_and_the_last_row(void **state)
     assert_close(ssfr_field_at(p.color, 30, 24)[0], 0.1, 1e-5, 0);
 }
 
+/* Exactly up and down, where there is no longitude; with a floor under all haze, down is the horizon. */
+static void straight_up_and_down_have_a_value(void **state)
+{
+    ssfr_field *map = test_field_filled(64, 32, 3, 0.1);
+    for (int x = 0; x < 64; x++) ssfr_field_at(map, x, 0)[0] = 5, ssfr_field_at(map, x, 31)[0] = 7;
+    for (int x = 0; x < 128; x++) ssfr_field_at(map, x % 64, 15 + x / 64)[0] = 3;
+    test_twin *t = begin_with_map(state, map);
+    t->scene.camera.w = t->scene.camera.h = 3;
+    look_along(t, (const double[3]){0, 1, 0});
+    assert_close(ssfr_field_at(run(t).color, 1, 1)[0], 5, 1e-5, 0);
+    look_along(t, (const double[3]){0, -1, 0});
+    assert_close(ssfr_field_at(run(t).color, 1, 1)[0], 7, 1e-5, 0);
+    t->scene.floor = -1e5;
+    assert_close(ssfr_field_at(run(t).color, 1, 1)[0], 3, 1e-5, 0);
+}
+
 /* A map that is smooth in direction, in all directions and over the seam: what is shown is as smooth, but for the
  * texels' size. */
 static void a_smooth_map_is_smooth_over_seam_and_poles(void **state)
@@ -654,6 +670,7 @@ int main(void)
         TEST_TWINS(a_map_of_one_value_is_seen_everywhere),
         TEST_TWINS(a_bright_texel_is_seen_in_its_direction),
         TEST_TWINS(the_poles_are_the_first_and_the_last_row),
+        TEST_TWINS(straight_up_and_down_have_a_value),
         TEST_TWINS(a_smooth_map_is_smooth_over_seam_and_poles),
         TEST_TWINS(a_floor_fades_into_the_maps_horizon),
         TEST_TWINS(another_map_takes_the_place_of_the_first),
