@@ -20,33 +20,51 @@ static const ssfr_option rows[] = {
     SSFR_OPTION_END,
 };
 
-static ssfr_result convert(ssfr_stage *stage, const import_words *words, const char *output)
+/* What was written. */
+typedef struct outcome {
+    size_t n_files, n_particles;
+    unsigned computed; /* bits as of ssfr_particles_complete */
+} outcome;
+
+static ssfr_result convert(ssfr_stage *stage, const import_words *words, const char *output, outcome *all)
 {
     ssfr_result result = SSFR_OK;
     unsigned computed = 0;
     if (!words->as_is) SSFR_TRY(ssfr_particles_complete(stage->particles, &computed));
     SSFR_TRY(ssfr_particles_save(stage->particles, output));
-    ssfr_log(SSFR_INFO, "%s: %zu particles%s%s", output, stage->particles->n,
-             computed & SSFR_COMPUTED_DENSITY ? ", density computed" : "",
-             computed & SSFR_COMPUTED_NEIGHBOURS ? ", neighbours computed" : "");
+    all->n_files++;
+    all->n_particles += stage->particles->n;
+    all->computed |= computed;
 end:
     return result;
 }
 
+static void tell(const import_words *words, const ssfr_stage *stage, const outcome *all)
+{
+    printf("%s: ", words->output);
+    if (ssfr_sequence_is(words->output)) printf("%zu frames, ", all->n_files);
+    printf("%zu particles", all->n_particles);
+    if (stage->estimate > 0) printf(", radius estimated as %g m", stage->estimate);
+    if (all->computed & SSFR_COMPUTED_DENSITY) printf(", density computed");
+    if (all->computed & SSFR_COMPUTED_NEIGHBOURS) printf(", neighbours computed");
+    printf("\n");
+}
+
 static ssfr_result convert_frame(ssfr_stage *stage, const ssfr_stage_options *options, const import_words *words,
-                                 long frame)
+                                 long frame, outcome *all)
 {
     ssfr_result result = SSFR_OK;
     char *output = NULL;
     SSFR_TRY(ssfr_sequence_path(words->output, frame, &output));
     SSFR_TRY(ssfr_stage_show(stage, options, frame));
-    SSFR_TRY(convert(stage, words, output));
+    SSFR_TRY(convert(stage, words, output, all));
 end:
     free(output);
     return result;
 }
 
-static ssfr_result convert_frames(ssfr_stage *stage, const ssfr_stage_options *options, const import_words *words)
+static ssfr_result convert_frames(ssfr_stage *stage, const ssfr_stage_options *options, const import_words *words,
+                                  outcome *all)
 {
     ssfr_result result = SSFR_OK;
     ssfr_frame_range range = ssfr_frame_range_all;
@@ -56,7 +74,7 @@ static ssfr_result convert_frames(ssfr_stage *stage, const ssfr_stage_options *o
     SSFR_TRY(ssfr_stage_choose(stage, &range, &n, &frames));
     for (size_t i = 0; i < n; i++) {
         ssfr_console_progress("import", i, n);
-        SSFR_TRY(convert_frame(stage, options, words, frames[i]));
+        SSFR_TRY(convert_frame(stage, options, words, frames[i], all));
     }
 end:
     ssfr_console_progress("import", n, n);
@@ -80,14 +98,16 @@ static ssfr_result run(const char *scene, const ssfr_stage_options *options, con
 {
     ssfr_result result = SSFR_OK;
     ssfr_stage *stage = NULL;
+    outcome all = {0};
     SSFR_TRY(check(words));
     SSFR_TRY(ssfr_stage_open(&stage, scene, options));
     if (words->frames || ssfr_sequence_is(words->output)) {
-        SSFR_TRY(convert_frames(stage, options, words));
+        SSFR_TRY(convert_frames(stage, options, words, &all));
     } else {
         SSFR_TRY(ssfr_stage_show(stage, options, -1));
-        SSFR_TRY(convert(stage, words, words->output));
+        SSFR_TRY(convert(stage, words, words->output, &all));
     }
+    tell(words, stage, &all);
 end:
     ssfr_stage_destroy(&stage);
     return result;

@@ -114,6 +114,7 @@ static ssfr_result add_particles(ssfr_table *table, const ssfr_stage *stage)
     if (stage->n_dropped) SSFR_TRY(add_number(table, "dropped", "1", (double)stage->n_dropped));
     SSFR_TRY(add_number(table, "packets", "1", (double)p->n_packets));
     SSFR_TRY(add_number(table, "radius", "m", p->radius));
+    if (stage->estimate > 0) SSFR_TRY(add_line(table, "radius is", "", "estimated"));
     SSFR_TRY(add_number(table, "half spacing", "m", ssfr_particles_spacing(p)));
     SSFR_TRY(add_vector(table, "lowest", "m", lo));
     SSFR_TRY(add_vector(table, "highest", "m", hi));

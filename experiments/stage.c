@@ -126,12 +126,20 @@ end:
 
 /* ---- a frame ----------------------------------------------------------------------------------------------------- */
 
+/* A radius that is estimated must not change from frame to frame. */
+static void hold_estimate(ssfr_stage *stage, bool estimated, ssfr_particles *particles)
+{
+    if (estimated && stage->estimate == 0) stage->estimate = particles->radius;
+    if (estimated || particles->radius == 0) particles->radius = stage->estimate;
+}
+
 static ssfr_result load_file(ssfr_stage *stage, const char *path, const ssfr_stage_options *options,
                              ssfr_particles **out)
 {
     ssfr_load_options load = ssfr_stage_load_options(options);
     const ssfr_result result = ssfr_particles_load(out, path, &load);
     stage->n_dropped = load.n_dropped;
+    if (result == SSFR_OK) hold_estimate(stage, load.estimated, *out);
     if (result == SSFR_OK && load.n_dropped)
         ssfr_log(SSFR_WARNING, "%s: dropped %zu particles with a value that is not finite", path, load.n_dropped);
     return result;

@@ -52,6 +52,7 @@ typedef struct ssfr_stage {
     bool is_held;             /* the view frames the box below, whatever the frame */
     double held_lo[3], held_hi[3]; /* m */
     size_t n_dropped; /* particles with a value that is not finite */
+    double estimate;  /* m, the radius where no file tells it: from the first frame shown, for all; else 0 */
 } ssfr_stage;
 
 /* A scene by name or path (see scenes.h), with the frame that the options name, which is made when it is missing. */

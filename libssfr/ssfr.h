@@ -161,12 +161,13 @@ static inline void ssfr_particles_position(const ssfr_particles *p, size_t i, do
 }
 
 typedef struct ssfr_load_options {
-    double radius;       /* m; 0: from the file, else estimated from the spacing (logged) */
+    double radius;       /* m; 0: from the file, else estimated (logged) */
     double unit;         /* m, the file's unit of length: positions, velocities and radius are multiplied by it; 0: 1 */
     char up;             /* the file's axis that points up, 'x', 'y' or 'z', which is turned to y; 0: y */
     const char *map;     /* HDF5: where a foreign file has its arrays, "position=/a/x,velocity=/a/v"; NULL: ssfr's own */
     bool drop_nonfinite; /* drop particles with a NaN or infinite value instead of refusing the file */
     size_t n_dropped;    /* out */
+    bool estimated;      /* out: the radius was, see ssfr_particles_estimate_radius */
 } ssfr_load_options;
 
 /* The formats, one a line: ending and what it is, in brackets. A static string. */
@@ -196,9 +197,13 @@ enum { SSFR_COMPUTED_DENSITY = 1, SSFR_COMPUTED_NEIGHBOURS = 2 };
 
 /* Computes `density` (cubic spline, the particle itself included: alone it has 254.6 kg/m^3) and `neighbours` (others
  * nearer than the support) where these arrays are missing; those that are there stay. The bits of what was computed go
- * to *computed, which may be NULL. The same bits for any number of threads. Fails without a radius; a call that fails
- * leaves the set as it was. */
+ * to *computed, which may be NULL. The same bits for any number of threads. Fails where there are particles without a
+ * radius; a call that fails leaves the set as it was. */
 SSFR_API SSFR_MUST ssfr_result ssfr_particles_complete(ssfr_particles *particles, unsigned *computed);
+
+/* A radius for particles of which none is known, m: that at which half of them, looked at 512 at the most, have the rest
+ * density. Half the spacing where that is far off, as of sprays and of few particles; 0 for fewer than two. */
+SSFR_API SSFR_MUST ssfr_result ssfr_particles_estimate_radius(const ssfr_particles *particles, double *radius);
 
 /* What a particle counts as when it is drawn. */
 typedef enum ssfr_class {

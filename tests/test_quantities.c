@@ -284,6 +284,76 @@ static void a_dam_break_has_its_simulators_values(void **state)
     ssfr_particles_destroy(&p);
 }
 
+/* ---- the radius -------------------------------------------------------------------------------------------------- */
+
+static double estimate(const ssfr_particles *p)
+{
+    double radius = NAN;
+    assert_int_equal(ssfr_particles_estimate_radius(p, &radius), SSFR_OK);
+    return radius;
+}
+
+static void the_radius_of_fluid_at_rest_is_found_again(void **state)
+{
+    (void)state;
+    for (double radius = 2.385e-6; radius < 1e6; radius *= 1e3)
+        for (double noise = 0; noise < 0.3; noise += 0.12) {
+            ssfr_particles *p = make_lattice((double[3]){0.3 * radius, -0.2, 2.385}, radius, noise);
+            complete(p);
+            assert_close(estimate(p), radius, 0, 0.12); /* half of them lack neighbours beyond the lattice's faces */
+            p->radius = estimate(p);
+            size_t n_below = 0;
+            free(p->density);
+            free(p->neighbours);
+            p->density = NULL, p->neighbours = NULL;
+            complete(p);
+            for (size_t i = 0; i < N; i++) n_below += p->density[i] < SSFR_REST_DENSITY;
+            assert_close((double)n_below / N, 0.5, 0.05, 0);
+            ssfr_particles_destroy(&p);
+        }
+}
+
+static void sprays_and_few_particles_have_half_their_spacing(void **state)
+{
+    (void)state;
+    enum { SPRAY = 1000 };
+    double positions[3 * SPRAY];
+    uint64_t seed = 2385;
+    for (int k = 0; k < 3 * SPRAY; k++) positions[k] = test_random(&seed, -1, 1);
+    ssfr_particles *p = create(SPRAY, positions, 0);
+    assert_true(estimate(p) == ssfr_particles_spacing(p));
+    ssfr_particles_destroy(&p);
+    for (size_t n = 0; n < 4; n++) {
+        p = create(n, (double[9]){0, 0, 0, 2.385, 0, 0, 0, 2.385, 0}, 0);
+        assert_close(estimate(p), n < 2 ? 0 : 1.1925, 1e-6, 0);
+        ssfr_particles_destroy(&p);
+    }
+    for (int k = 0; k < 3 * SPRAY; k++) positions[k] = k < 3 * SPRAY - 3 ? positions[k] : 1e9; /* m, beyond all grids */
+    p = create(SPRAY, positions, 0);
+    assert_true(estimate(p) == ssfr_particles_spacing(p));
+    ssfr_particles_destroy(&p);
+    p = create(3, (double[9]){2.385, 1, 1, 2.385, 1, 1, 2.385, 1, 1}, 0);
+    assert_true(estimate(p) == 0);
+    ssfr_particles_destroy(&p);
+}
+
+static void a_simulators_radius_is_found_again(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double radius; /* m, that of the simulation */
+    } cases[] = {{"native_ddb_mid_ParticleData_Fluid_56.vtk", 0.02}, {"ddb_early_fluid.ply", 0.02}};
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        char path[512];
+        ssfr_particles *p = NULL;
+        snprintf(path, sizeof path, "%s/%s", test_data_or_skip(), cases[i].name);
+        assert_int_equal(ssfr_particles_load(&p, path, NULL), SSFR_OK);
+        assert_close(estimate(p), cases[i].radius, 0, 0.001);
+        ssfr_particles_destroy(&p);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -299,6 +369,9 @@ int main(void)
         cmocka_unit_test(no_particles_have_empty_arrays),
         cmocka_unit_test(what_cannot_be_computed_is_refused),
         cmocka_unit_test(a_dam_break_has_its_simulators_values),
+        cmocka_unit_test(the_radius_of_fluid_at_rest_is_found_again),
+        cmocka_unit_test(sprays_and_few_particles_have_half_their_spacing),
+        cmocka_unit_test(a_simulators_radius_is_found_again),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }

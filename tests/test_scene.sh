@@ -237,6 +237,18 @@ that 'and then has all' [ -z "$(grep computed out)" ]
 accepts 'or left as it is' scene import bare.ply -o bare.h5 --radius 0.5 --as-is
 accepts 'without them' scene info bare.h5
 that 'is what it was' [ "$(value 'density is')" = computed ]
+accepts 'the radius that is not told' scene info bare.ply
+that 'is said to be estimated' [ "$(value radius)/$(value 'radius is')" = 0.5/estimated ]
+for frame in 0 1 2; do sed "s/^1 1/$((frame + 1)) 1/; s/^0 2/0 $((frame + 2))/" bare.ply >some_$frame.ply; done
+printf '%s\n' ply 'format ascii 1.0' 'element vertex 0' 'property float x' 'property float y' 'property float z' \
+    end_header >some_3.ply
+accepts 'frames without a radius' scene import some_%d.ply -o same_%d.h5
+that 'with what was computed' grep -qx \
+    'same_%d.h5: 4 frames, 9 particles, radius estimated as 0.5 m, density computed, neighbours computed' out
+for frame in 0 1 2 3; do
+    accepts "frame $frame of them" scene info same_$frame.h5
+    that 'has the radius of all' [ "$(value radius)" = 0.5 ]
+done
 refuses 'a conversion into nowhere' 'nothing to write' scene import bare.ply
 refuses 'into a format that is not written' 'full.xml' scene import bare.ply -o full.xml --radius 0.5
 refuses 'into a folder that is not there' 'no/a.h5: cannot be written' scene import bare.ply -o no/a.h5

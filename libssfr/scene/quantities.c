@@ -47,13 +47,14 @@ ssfr_result ssfr_particles_complete(ssfr_particles *particles, unsigned *compute
     ssfr_result result = SSFR_OK;
     const unsigned missing = (particles->density ? 0 : SSFR_COMPUTED_DENSITY) |
                              (particles->neighbours ? 0 : SSFR_COMPUTED_NEIGHBOURS);
-    const double support = SSFR_SUPPORT * particles->radius;
+    const bool any = particles->n > 0;
+    const double support = any ? SSFR_SUPPORT * particles->radius : 1; /* m */
     ssfr_neighbours set = {0};
     float *density = NULL;
     uint32_t *neighbours = NULL;
     if (computed) *computed = 0;
     if (!missing) goto end;
-    if (!(particles->radius > 0 && isnormal(support * support)))
+    if (any && !(particles->radius > 0 && isnormal(support * support)))
         SSFR_TRY(ssfr_fail(SSFR_ERR_VALUE, "particle radius %g m: densities and neighbours need a positive, finite one",
                            particles->radius));
     SSFR_TRY(ssfr_neighbours_init(&set, particles, support));
@@ -68,5 +69,51 @@ end:
     ssfr_neighbours_finish(&set);
     free(density);
     free(neighbours);
+    return result;
+}
+
+/* ---- the radius -------------------------------------------------------------------------------------------------- */
+
+enum { MAX_SAMPLES = 512 };
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* kg/m^3, were the particles of this radius. */
+static double median_density(const ssfr_neighbours *set, double radius)
+{
+    double densities[MAX_SAMPLES];
+    const size_t m = set->n < MAX_SAMPLES ? set->n : MAX_SAMPLES;
+    uint32_t unused;
+    for (size_t s = 0; s < m; s++) densities[s] = measure(set, s * set->n / m, SSFR_SUPPORT * radius, &unused);
+    qsort(densities, m, sizeof *densities, by_value);
+    return densities[m / 2];
+}
+
+/* The nearest of others is nearer than fluid at rest is spaced: by a quarter in that of SPlisHSPlasH, never by more
+ * than if all places were random, where the radius would be 1.9 half spacings. Closest packed it is 0.96 of them. */
+ssfr_result ssfr_particles_estimate_radius(const ssfr_particles *particles, double *radius)
+{
+    enum { HALVINGS = 24, MOST_CELLS = 1 << 19 /* along an axis: what a grid holds */ };
+    ssfr_result result = SSFR_OK;
+    ssfr_neighbours set = {0};
+    const double half = ssfr_particles_spacing(particles), reach = SSFR_SUPPORT * 1.6 * half;
+    double least = 0.9 * half, most = 1.6 * half, lo[3], hi[3], extent = 0;
+    *radius = half;
+    ssfr_particles_bounds(particles, lo, hi);
+    for (int k = 0; k < 3; k++) extent = fmax(extent, hi[k] - lo[k]);
+    if (!isnormal(reach * reach) || extent > MOST_CELLS * reach) goto end;
+    SSFR_TRY(ssfr_neighbours_init(&set, particles, reach));
+    if (median_density(&set, least) > SSFR_REST_DENSITY || median_density(&set, most) < SSFR_REST_DENSITY) goto end;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = 0.5 * (least + most);
+        *(median_density(&set, middle) < SSFR_REST_DENSITY ? &least : &most) = middle;
+    }
+    *radius = most;
+end:
+    ssfr_neighbours_finish(&set);
     return result;
 }

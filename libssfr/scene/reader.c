@@ -374,12 +374,15 @@ static ssfr_result refuse_or_drop_nonfinite(ssfr_reading *r, ssfr_load_options *
 
 static ssfr_result estimate_radius(ssfr_particles *set, const char *path)
 {
-    set->radius = ssfr_particles_spacing(set);
-    if (!(set->radius > 0))
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: say the radius: the file has none, and its %zu particle%s give none",
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_particles_estimate_radius(set, &set->radius));
+    if (set->radius > 0)
+        ssfr_log(SSFR_INFO, "%s: no radius in the file: estimated as %g m", path, set->radius);
+    else
+        result = ssfr_fail(SSFR_ERR_VALUE, "%s: say the radius: the file has none, and its %zu particle%s give none",
                          path, set->n, set->n == 1 ? "" : "s");
-    ssfr_log(SSFR_INFO, "%s: no radius in the file: %g m, from the particles' spacing", path, set->radius);
-    return SSFR_OK;
+end:
+    return result;
 }
 
 static ssfr_result load(ssfr_particles **out, const format *format, const char *path, ssfr_load_options *options)
@@ -397,7 +400,8 @@ static ssfr_result load(ssfr_particles **out, const format *format, const char *
     SSFR_TRY(refuse_or_drop_nonfinite(&reading, options));
     if (options->radius > 0) reading.given.radius = options->radius;
     SSFR_TRY(ssfr_particles_create(&set, reading.given.n, reading.positions, &reading.given));
-    if (set->radius == 0 && set->n > 0) SSFR_TRY(estimate_radius(set, path));
+    options->estimated = set->radius == 0 && set->n > 0;
+    if (options->estimated) SSFR_TRY(estimate_radius(set, path));
     *out = set;
     set = NULL;
 end:
@@ -427,6 +431,7 @@ ssfr_result ssfr_particles_load(ssfr_particles **out, const char *path, ssfr_loa
     ssfr_load_options none = {0};
     if (!options) options = &none;
     options->n_dropped = 0;
+    options->estimated = false;
     *out = NULL;
     ssfr_plain plain = ssfr_plain_begin();
     SSFR_TRY(check_options(options, path));
