@@ -19,7 +19,8 @@ const ssfr_option ssfr_file_rows[] = {
     ROW(drop_nonfinite, "drop-nonfinite", 0, FLAG, NULL, "drop particles with a NaN or infinite value", 0, 0),
     ROW(unit, "unit", 0, NUMBER, "M", "the file's unit of length, m (default 1)", 1e-9, 1e9),
     ROW(up_axis, "up-axis", 0, WORD, "x|y|z", "the file's axis that points up (default y)", 0, 0),
-    ROW(map, "map", 0, TEXT, "NAME=PATH,..", "where an HDF5 file has its arrays: position=/a/x,velocity=/a/v", 0, 0),
+    ROW(map, "map", 0, TEXT, "NAME=PATH,..",
+        "where another program's HDF5 file has its arrays: position=/a/pos,vx=/a/u,vy=/a/v,vz=/a/w", 0, 0),
     SSFR_OPTION_END,
 };
 

@@ -164,7 +164,8 @@ typedef struct ssfr_load_options {
     double radius;       /* m; 0: from the file, else estimated (logged) */
     double unit;         /* m, the file's unit of length: positions, velocities and radius are multiplied by it; 0: 1 */
     char up;             /* the file's axis that points up, 'x', 'y' or 'z', which is turned to y; 0: y */
-    const char *map;     /* HDF5: where a foreign file has its arrays, "position=/a/x,velocity=/a/v"; NULL: ssfr's own */
+    const char *map;     /* HDF5: where a foreign file has its arrays, "position=/a/pos,velocity=/a/vel", or vectors in
+                          * parts, "x=/a/x,y=/a/y,z=/a/z"; NULL: ssfr's own */
     bool drop_nonfinite; /* drop particles with a NaN or infinite value instead of refusing the file */
     size_t n_dropped;    /* out */
     bool estimated;      /* out: the radius was, see ssfr_particles_estimate_radius */
@@ -201,7 +202,7 @@ enum { SSFR_COMPUTED_DENSITY = 1, SSFR_COMPUTED_NEIGHBOURS = 2 };
  * radius; a call that fails leaves the set as it was. */
 SSFR_API SSFR_MUST ssfr_result ssfr_particles_complete(ssfr_particles *particles, unsigned *computed);
 
-/* A radius for particles of which none is known, m: that at which half of them, looked at 512 at the most, have the rest
+/* A radius for particles of which none is known, m: that at which half of them (512 samples at most) have the rest
  * density. Half the spacing where that is far off, as of sprays and of few particles; 0 for fewer than two. */
 SSFR_API SSFR_MUST ssfr_result ssfr_particles_estimate_radius(const ssfr_particles *particles, double *radius);
 

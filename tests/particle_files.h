@@ -26,7 +26,7 @@ size_t find_particle(const ssfr_particles *particles, double x, double y, double
 /* Loads what must load. */
 ssfr_particles *load(const char *path);
 
-/* Loads what must load and keeps the lines that are told beside errors. Cmocka's state is for capturing the log again. */
+/* The same, and keeps the lines that are told beside errors. */
 ssfr_particles *load_and_listen(void **state, const char *path);
 extern char told[512];
 

@@ -536,6 +536,37 @@ static void a_mapped_radius_is_a_dataset_or_an_attribute(void **state)
     }
 }
 
+static void a_map_may_tell_the_parts_of_vectors(void **state)
+{
+    (void)state;
+    static const double x[] = {0, 2.5, -1}, y[] = {1, 2, 3}, z[] = {7, 8, 9.25}, few[] = {1, 2};
+    const dataset datasets[] = {
+        {"x", H5T_IEEE_F64LE, 1, {3}, x, NULL}, {"y", H5T_IEEE_F32BE, 2, {3, 1}, y, NULL},
+        {"z", H5T_IEEE_F64LE, 1, {3}, z, NULL}, {"all", H5T_IEEE_F32LE, 2, {3, 3}, values, NULL},
+        {"u", H5T_STD_I32LE, 1, {3}, y, NULL},  {"few", H5T_IEEE_F64LE, 1, {2}, few, NULL},
+    };
+    const char *path = make_file("Step#0", NULL, SSFR_COUNT(datasets), datasets);
+    ssfr_particles *p = NULL;
+    assert_int_equal(load_mapped(&p, path, "vx=Step#0/z,velocity_y=Step#0/u,VZ=Step#0/x,"
+                                           "y=/Step#0/y,position_x=/Step#0/x,z=/Step#0/z,id=Step#0/u"), SSFR_OK);
+    assert_int_equal(p->n, 3);
+    for (size_t i = 0; i < 3; i++) {
+        const size_t at = find_particle(p, x[i], y[i], z[i]);
+        assert_true(p->velocity[3 * at] == (float)z[i] && p->velocity[3 * at + 1] == (float)y[i]);
+        assert_true(p->velocity[3 * at + 2] == (float)x[i] && p->id[at] == (uint32_t)y[i]);
+    }
+    ssfr_particles_destroy(&p);
+    assert_int_equal(load_mapped(&p, path, "position=Step#0/all,vx=Step#0/x,vy=Step#0/y,vz=Step#0/z"), SSFR_OK);
+    assert_true(p->velocity[3 * find_particle(p, 2.385, 4, 5)] == 2.5f);
+    ssfr_particles_destroy(&p);
+    assert_fails(SSFR_ERR_FORMAT, load_mapped(&p, path, "x=Step#0/x,y=Step#0/few,z=Step#0/z"),
+                 "made.h5: Step#0/few of 2 particles, but 3 positions");
+    assert_fails(SSFR_ERR_FORMAT, load_mapped(&p, path, "x=Step#0/x,y=Step#0/all,z=Step#0/z"),
+                 "Step#0/all: expected an array of n x 1 values, found 3 x 3");
+    assert_fails(SSFR_ERR_FORMAT, load_mapped(&p, path, "x=Step#0/x,y=Step#0/none,z=Step#0/z"), "Step#0/none: ");
+    assert_null(p);
+}
+
 static void maps_of_another_form_are_refused(void **state)
 {
     (void)state;
@@ -553,6 +584,11 @@ static void maps_of_another_form_are_refused(void **state)
         {"position=x,position=y", "a second 'position'", SSFR_ERR_VALUE},
         {"position=x,id=y,ids=z", "a second 'ids'", SSFR_ERR_VALUE},
         {"id=i", "map 'id=i': position is missing", SSFR_ERR_VALUE},
+        {"x=a,z=c", "map 'x=a,z=c': expected one position or its x, y and z", SSFR_ERR_VALUE},
+        {"pos=p,x=a,y=b,z=c", "expected one position or its x, y and z", SSFR_ERR_VALUE},
+        {"position=p,vy=v", "expected one velocity or its x, y and z", SSFR_ERR_VALUE},
+        {"x=a,y=b,z=c,X=d", "a second 'X'", SSFR_ERR_VALUE},
+        {"vx=a,vy=b,vz=c", "position is missing", SSFR_ERR_VALUE},
     };
     const dataset position = {"x", H5T_IEEE_F32LE, 2, {3, 3}, values, NULL};
     const char *path = make_file("fluid", &radius, 1, &position);
@@ -695,6 +731,7 @@ int main(void)
         cmocka_unit_test(threads_may_load_and_save_at_once),
         cmocka_unit_test(a_map_tells_where_a_foreign_file_has_its_arrays),
         cmocka_unit_test(a_mapped_radius_is_a_dataset_or_an_attribute),
+        cmocka_unit_test(a_map_may_tell_the_parts_of_vectors),
         cmocka_unit_test(maps_of_another_form_are_refused),
         cmocka_unit_test(mapped_datasets_that_do_not_fit_are_refused_with_their_shape),
         cmocka_unit_test(mapped_values_that_are_no_numbers_are_refused),

@@ -6,10 +6,11 @@
  *   /particles/velocity   n x 3, and so on for each line of SSFR_ATTRIBUTES that the set has: float32 or uint32
  *
  * A map ("position=/PartType0/Coordinates,id=/PartType0/ParticleIDs") says where a file by another program has them: as
- * numbers of any type. Only what it names is read.
+ * numbers of any type. Vectors may be in parts ("x=/Step#0/x,y=/Step#0/y,z=/Step#0/z"). Only what it names is read.
  *
  * Each dataset has its unit as the attribute units. Chunked, shuffled, deflated; no times are stored, so the same
  * particles give the same bytes. */
+#include "scene/sheet.h"
 #include "scene/writer.h"
 
 #include <errno.h>
@@ -77,10 +78,10 @@ static ssfr_result refused(ssfr_result code, const char *path, const char *what)
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* Where in the file the arrays are; NULL where there is none. */
+/* Where in the file the places' numbers are, vectors whole or in parts; NULL where there are none. */
 typedef struct map {
     char *text; /* the names, when they are not constant */
-    const char *position, *radius, *arrays[SSFR_N_ARRAYS];
+    const char *whole[SSFR_N_PLACES], *parts[SSFR_N_PLACES][3];
 } map;
 
 typedef struct source {
@@ -90,13 +91,13 @@ typedef struct source {
     map map;
 } source;
 
-/* The place of an array's name in the map, NULL when it is none. */
-static const char **find_place(map *m, const char *name)
+/* Where in the map a name stands, NULL when it is none. */
+static const char **find_entry(map *m, const char *name)
 {
-    const ssfr_array *array = ssfr_array_find(name);
-    if (strcmp(name, "position") == 0) return &m->position;
-    if (strcmp(name, "radius") == 0) return &m->radius;
-    return array ? m->arrays + (array - ssfr_arrays) : NULL;
+    const int place = ssfr_place_find(name);
+    const ssfr_sheet_column column = ssfr_sheet_column_find(name);
+    if (place != SSFR_PLACE_NONE) return m->whole + place;
+    return column.place == SSFR_PLACE_NONE ? NULL : m->parts[column.place] + column.component;
 }
 
 /* An entry "name=path"; it is cut in two. */
@@ -104,15 +105,24 @@ static ssfr_result parse_entry(map *m, char *entry, const char *text)
 {
     char *const path = strchr(entry, '=');
     if (path) *path = '\0';
-    const char **const place = find_place(m, entry);
+    const char **const found = find_entry(m, entry);
     if (!path || !path[1])
         return ssfr_fail(SSFR_ERR_VALUE, "map '%s': expected name=path, found '%s'", text, entry);
-    if (!place)
+    if (!found)
         return ssfr_fail(SSFR_ERR_UNKNOWN, "map '%s': there is no array '%s'", text, entry);
-    if (*place)
+    if (*found)
         return ssfr_fail(SSFR_ERR_VALUE, "map '%s': a second '%s'", text, entry);
-    *place = path + 1;
+    *found = path + 1;
     return SSFR_OK;
+}
+
+/* A vector is there whole, or with all its parts, or not. */
+static ssfr_result check_vector(const map *m, int place, const char *text)
+{
+    int n_parts = 0;
+    for (int k = 0; k < 3; k++) n_parts += m->parts[place][k] != NULL;
+    if (n_parts == 0 || (n_parts == 3 && !m->whole[place])) return SSFR_OK;
+    return ssfr_fail(SSFR_ERR_VALUE, "map '%s': expected one %s or its x, y and z", text, ssfr_place_name(place));
 }
 
 static ssfr_result parse_map(map *m, const char *text)
@@ -126,7 +136,9 @@ static ssfr_result parse_map(map *m, const char *text)
         SSFR_TRY(parse_entry(m, entry, text));
         entry = comma ? comma + 1 : NULL;
     }
-    if (!m->position) result = ssfr_fail(SSFR_ERR_VALUE, "map '%s': position is missing", text);
+    for (int place = 0; place < SSFR_N_PLACES; place++) SSFR_TRY(check_vector(m, place, text));
+    if (!m->whole[SSFR_PLACE_POSITION] && !m->parts[SSFR_PLACE_POSITION][0])
+        result = ssfr_fail(SSFR_ERR_VALUE, "map '%s': position is missing", text);
 end:
     return result;
 }
@@ -134,10 +146,10 @@ end:
 /* What the group of ssfr's own layout has. */
 static void map_own(const source *s, map *m)
 {
-    m->position = "position";
-    if (H5Aexists(s->group, "radius") > 0) m->radius = "radius";
+    m->whole[SSFR_PLACE_POSITION] = "position";
+    if (H5Aexists(s->group, "radius") > 0) m->whole[SSFR_PLACE_RADIUS] = "radius";
     for (size_t a = 0; a < SSFR_N_ARRAYS; a++)
-        if (H5Lexists(s->group, ssfr_arrays[a].name, H5P_DEFAULT) > 0) m->arrays[a] = ssfr_arrays[a].name;
+        if (H5Lexists(s->group, ssfr_arrays[a].name, H5P_DEFAULT) > 0) m->whole[a + 1] = ssfr_arrays[a].name;
 }
 
 /* An attribute that says another unit is refused; one that is not there says nothing. */
@@ -258,30 +270,38 @@ static ssfr_result read_positions(const source *s)
     ssfr_reading *r = s->reading;
     hid_t dataset = 0;
     size_t n = 0;
-    SSFR_TRY(open_dataset(s, s->map.position, "m", 3, true, &dataset, &n));
+    SSFR_TRY(open_dataset(s, s->map.whole[SSFR_PLACE_POSITION], "m", 3, true, &dataset, &n));
     SSFR_TRY(ssfr_reading_begin(r, n));
     if (n > 0 && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, r->positions) < 0)
-        result = refused(SSFR_ERR_FORMAT, r->path, s->map.position);
+        result = refused(SSFR_ERR_FORMAT, r->path, s->map.whole[SSFR_PLACE_POSITION]);
 end:
     drop(dataset);
     return result;
 }
 
-/* Numbers of any type into whole ones, each of which must be one. Doubles tell all whole numbers that fit. */
-static ssfr_result read_wholes(const source *s, hid_t dataset, const char *name, const ssfr_target *target)
+/* Numbers of any type to places first, first + step, ... of target. Doubles tell all whole numbers that fit. */
+static ssfr_result put_values(const source *s, hid_t dataset, const char *name, const ssfr_target *target, size_t first,
+                              size_t step)
 {
     ssfr_result result = SSFR_OK;
-    const size_t n = s->reading->given.n * target->count;
+    const size_t n = s->reading->given.n * target->count / step;
     double *values = NULL;
     SSFR_TRY(ssfr_alloc(&values, n, sizeof *values, name));
     if (n > 0 && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
         result = refused(SSFR_ERR_FORMAT, s->reading->path, name);
         goto end;
     }
-    for (size_t k = 0; k < n; k++) SSFR_TRY(ssfr_target_put(s->reading, target, k, values[k]));
+    for (size_t k = 0; k < n; k++) SSFR_TRY(ssfr_target_put(s->reading, target, first + step * k, values[k]));
 end:
     free(values);
     return result;
+}
+
+static ssfr_result check_n(const source *s, const char *name, size_t n)
+{
+    const ssfr_reading *r = s->reading;
+    if (n == r->given.n) return SSFR_OK;
+    return ssfr_fail(SSFR_ERR_FORMAT, "%s: %s of %zu particles, but %zu positions", r->path, name, n, r->given.n);
 }
 
 static ssfr_result read_array(const source *s, const ssfr_array *array, const char *name)
@@ -293,15 +313,39 @@ static ssfr_result read_array(const source *s, const ssfr_array *array, const ch
     size_t n = 0;
     ssfr_target target;
     SSFR_TRY(open_dataset(s, name, array->unit, array->count, array->real, &dataset, &n));
-    if (n != r->given.n) {
-        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s of %zu particles, but %zu positions", r->path, name, n, r->given.n);
-        goto end;
-    }
+    SSFR_TRY(check_n(s, name, n));
     SSFR_TRY(ssfr_target_array(r, array, &target));
     if (r->map && !array->real)
-        SSFR_TRY(read_wholes(s, dataset, name, &target));
+        SSFR_TRY(put_values(s, dataset, name, &target, 0, 1));
     else if (n > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, ssfr_array_get(&r->given, array)) < 0)
         result = refused(SSFR_ERR_FORMAT, r->path, name);
+end:
+    drop(dataset);
+    return result;
+}
+
+/* A vector whose components are datasets of their own. */
+static ssfr_result read_parts(const source *s, int place)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_reading *r = s->reading;
+    ssfr_target target = {0};
+    hid_t dataset = 0;
+    for (size_t k = 0; k < 3; k++) {
+        const char *name = s->map.parts[place][k];
+        size_t n = 0;
+        SSFR_TRY(open_dataset(s, name, "", 1, true, &dataset, &n));
+        if (k == 0 && place == SSFR_PLACE_POSITION) {
+            SSFR_TRY(ssfr_reading_begin(r, n));
+            target = ssfr_target_positions(r);
+        } else if (k == 0) {
+            SSFR_TRY(ssfr_target_array(r, ssfr_arrays + place - 1, &target));
+        }
+        SSFR_TRY(check_n(s, name, n));
+        SSFR_TRY(put_values(s, dataset, name, &target, k, 3));
+        drop(dataset);
+        dataset = 0;
+    }
 end:
     drop(dataset);
     return result;
@@ -311,7 +355,7 @@ end:
 static ssfr_result open_radius(const source *s, hid_t *dataset, hid_t *attribute)
 {
     ssfr_result result = SSFR_OK;
-    const char *path = s->map.radius, *slash = strrchr(path, '/');
+    const char *path = s->map.whole[SSFR_PLACE_RADIUS], *slash = strrchr(path, '/');
     const size_t length = slash ? (size_t)(slash - path) : 0;
     char *object = NULL;
     if (s->reading->map && (*dataset = H5Dopen2(s->group, path, H5P_DEFAULT)) > 0) return SSFR_OK;
@@ -352,7 +396,9 @@ static ssfr_result read_radius(const source *s)
         ok = is_one_number(dataset) &&
              H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, radius) >= 0;
     }
-    if (!ok) result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected one number", s->reading->path, s->map.radius);
+    if (!ok)
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: expected one number", s->reading->path,
+                           s->map.whole[SSFR_PLACE_RADIUS]);
 end:
     drop(space);
     drop(attribute);
@@ -382,10 +428,12 @@ static hid_t access_list(void)
 static ssfr_result read_all(const source *s)
 {
     ssfr_result result = SSFR_OK;
-    if (s->map.radius) SSFR_TRY(read_radius(s));
-    SSFR_TRY(read_positions(s));
+    if (s->map.whole[SSFR_PLACE_RADIUS]) SSFR_TRY(read_radius(s));
+    if (s->map.whole[SSFR_PLACE_POSITION]) SSFR_TRY(read_positions(s));
+    for (int place = 0; place < SSFR_N_PLACES; place++)
+        if (s->map.parts[place][0]) SSFR_TRY(read_parts(s, place));
     for (size_t a = 0; a < SSFR_N_ARRAYS; a++)
-        if (s->map.arrays[a]) SSFR_TRY(read_array(s, ssfr_arrays + a, s->map.arrays[a]));
+        if (s->map.whole[a + 1]) SSFR_TRY(read_array(s, ssfr_arrays + a, s->map.whole[a + 1]));
 end:
     return result;
 }

@@ -24,6 +24,12 @@ size_t ssfr_place_count(int place)
     return place == SSFR_PLACE_POSITION ? 3 : place == SSFR_PLACE_RADIUS ? 1 : ssfr_arrays[place - 1].count;
 }
 
+const char *ssfr_place_name(int place)
+{
+    if (place == SSFR_PLACE_POSITION) return "position";
+    return place == SSFR_PLACE_RADIUS ? "radius" : ssfr_arrays[place - 1].name;
+}
+
 const char *ssfr_place_unit(int place)
 {
     return place == SSFR_PLACE_POSITION || place == SSFR_PLACE_RADIUS ? "m" : ssfr_arrays[place - 1].unit;

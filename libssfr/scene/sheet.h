@@ -25,6 +25,7 @@ ssfr_sheet_column ssfr_sheet_column_find(const char *name);
 /* The place of a whole vector or number ("pos", "velocity", "id", "radius"), or SSFR_PLACE_NONE. */
 int ssfr_place_find(const char *name);
 size_t ssfr_place_count(int place);     /* values a particle */
+const char *ssfr_place_name(int place); /* "velocity" */
 const char *ssfr_place_unit(int place); /* "m" */
 
 typedef struct ssfr_sheet {
