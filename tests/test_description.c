@@ -156,6 +156,8 @@ static void quick_has_fewer_and_larger_particles(void **state)
     ssfr_description *d = describe(whole, SSFR_SCALE_QUICK);
     assert_close(d->solver.radius, 0.02 * cbrt(16), 1e-15, 0);
     assert_int_equal(d->solver.max_particles, 4000);
+    assert_close(d->foam.trapped_air_min, 5 * cbrt(16), 0, 1e-15);
+    assert_close(d->foam.trapped_air_max, 20 * cbrt(16), 0, 1e-15);
     assert_int_equal(d->pools[0].count, 313);
     assert_close(d->emitters[0].half[0], 0.1, 0, 0);
     assert_int_equal(d->n_frames, 101);

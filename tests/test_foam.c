@@ -286,6 +286,26 @@ static void water_that_fills_its_basin_has_no_crests_at_the_walls(void **state)
     drain(&w);
 }
 
+/* Close to the floor, yet up from it: two particles, and one above them. */
+static void beside_a_wall_what_faces_away_from_it_is_surface(void **state)
+{
+    (void)state;
+    const double lo[3] = {-1, 0, -1}, hi[3] = {1, 1, 1}, base = 0.2 * H, half = 0.2 * H, high = 0.3 * H;
+    const bool closed[6] = {0};
+    water *w = pour(R);
+    ssfr_foam *foam = make_plain(down);
+    put(w, (double[3]){0.1, base + high, 0}, (double[3]){0, 1.3, 0});
+    put(w, (double[3]){0.1 - half, base, 0}, (double[3]){0, 1.3, 0});
+    put(w, (double[3]){0.1 + half, base, 0}, (double[3]){0, 1.3, 0});
+    ssfr_foam_bound(foam, lo, hi, closed);
+    ssfr_foam_cause *causes = find_causes(foam, still(w));
+    assert_close((double)causes[0].wave_crest, 2 * (1 - hypot(0.2, 0.3)), 4e-6, 0); /* their normals are level */
+    assert_true(causes[1].wave_crest == 0 && causes[2].wave_crest == 0);
+    free(causes);
+    ssfr_foam_destroy(&foam);
+    drain(&w);
+}
+
 /* ---- emission ---------------------------------------------------------------------------------------------------- */
 
 enum { PAIRS_X = 16, PAIRS = 2048 };
@@ -410,6 +430,90 @@ static void births_fill_the_cylinder_of_the_way_and_come_in_the_order_of_particl
     /* r^2 and x are uniform; the deviation of such is its range / sqrt(12). */
     assert_close(square / (double)n, 0.5 * R * R, 4 * R * R / sqrt(12 * (double)n), 0);
     assert_close(back / (double)n, 0.5 * 1.3 * DT, 4 * 1.3 * DT / sqrt(12 * (double)n), 0);
+    free(all);
+    ssfr_foam_destroy(&foam);
+    drain(&w);
+}
+
+/* The pairs move obliquely, and each particle has births enough to compare with each other. */
+static void births_of_any_direction_have_numbers_of_their_own(void **state)
+{
+    (void)state;
+    const double way[3] = {0.48, -0.6, 0.64};
+    const ssfr_foam_params p = air_only(20000);
+    water *w = put_pairs(R);
+    w->fluid.n = 60;
+    for (size_t i = 0; i < 3 * w->fluid.n; i++) w->velocity[i] = (float)((i / 3 % 2 ? -1.3 : 1.3) * way[i % 3]);
+    ssfr_foam *foam = make(&p, down, 10);
+    step(foam, still(w), DT);
+    seen *all = see(foam);
+    const size_t n = ssfr_foam_count(foam);
+    double *r = calloc(n, sizeof *r), *back = calloc(n, sizeof *back), mean[2] = {0}, apart[2] = {0};
+    assert_true(r && back && n > 800);
+    for (size_t e = 0; e < n; e++) {
+        double d[3], from[3];
+        const size_t i = nearest(w, all[e].at);
+        const double sign = i % 2 ? -1 : 1;
+        place(w, i, from);
+        for (int k = 0; k < 3; k++) d[k] = all[e].at[k] - from[k];
+        const double along = ssfr_dot(d, way);
+        for (int k = 0; k < 3; k++) assert_close(all[e].velocity[k], sign * 1.3 * way[k] + d[k] - along * way[k], 1e-6, 0);
+        r[e] = (ssfr_dot(d, d) - along * along) / (R * R), back[e] = -sign * along / (1.3 * DT); /* uniform in [0, 1) */
+        assert_true(r[e] < 1 + 1e-5 && back[e] > -1e-4 && back[e] < 1 + 1e-4);
+        mean[0] += r[e] / (double)n, mean[1] += back[e] / (double)n;
+    }
+    for (int k = 0; k < 2; k++) assert_close(mean[k], 0.5, 4 / sqrt(12 * (double)n), 0);
+    /* Two such numbers are 1/3 apart, with a deviation of sqrt(1/18). */
+    for (size_t e = 0; e + 2 < n; e++)
+        for (size_t k = 0; k < 2; k++) apart[k] += fabs(back[e] - r[e + 1 + k]) / (double)(n - 2);
+    for (int k = 0; k < 2; k++) assert_close(apart[k], 1.0 / 3, 4 / sqrt(18 * (double)n), 0);
+    free(all), free(r), free(back);
+    ssfr_foam_destroy(&foam);
+    drain(&w);
+}
+
+/* As above where causes add up: 0.4 of trapped air alone, and half of the energy with 0.4 and a crest of 9/19. */
+static void what_is_born_of_more_potential_lasts_longer(void **state)
+{
+    (void)state;
+    const double energy = 0.5 * ssfr_particle_mass(0.02) * 1.3 * 1.3; /* J */
+    ssfr_foam_params p = air_only(3000);
+    water *w = put_pairs(R);
+    w->fluid.n = 60;
+    for (size_t i = 0; i < 30; i++) w->velocity[6 * i] = 3.9f, w->velocity[6 * i + 3] = 1.3f;
+    p.energy_min = 0.2 * energy, p.energy_max = 1.8 * energy;
+    p.wave_crest_rate = 1000, p.wave_crest_min = 0.1, p.wave_crest_max = 2;
+    p.lifetime_min = 1.5, p.lifetime_max = 6.5;
+    ssfr_foam *foam = make(&p, down, 5);
+    step(foam, still(w), DT);
+    seen *all = see(foam);
+    assert_true(ssfr_foam_count(foam) > 150);
+    for (size_t e = 0; e < ssfr_foam_count(foam); e++)
+        assert_close(all[e].lifetime, 1.5 + 5 * (nearest(w, all[e].at) % 2 ? 0.5 * 9 / 19 : 0.4), 1e-5, 0);
+    free(all);
+    ssfr_foam_destroy(&foam);
+    drain(&w);
+}
+
+static void births_have_the_kind_of_their_place(void **state)
+{
+    (void)state;
+    const double lo[3] = {-3 * S, -3 * S, -3 * S};
+    ssfr_foam_params p = air_only(30000);
+    water *w = pour(R);
+    put(w, (double[3]){20 * S, 0, 0}, (double[3]){1.3, 0, 0}); /* a pair in the air */
+    put(w, (double[3]){20 * S + 0.5 * H, 0, 0}, (double[3]){-1.3, 0, 0});
+    put_lattice(w, lo, 6, 6, 6, weightless);
+    put(w, (double[3]){0.1 * S, 0.2 * S, 0}, (double[3]){0, 2, 0}); /* and one that shoots through water */
+    ssfr_foam *foam = make(&p, down, 5);
+    step(foam, still(w), DT);
+    seen *all = see(foam);
+    size_t kinds[3] = {0};
+    for (size_t e = 0; e < ssfr_foam_count(foam); e++) {
+        kinds[all[e].kind]++;
+        assert_int_equal(all[e].kind, all[e].at[0] > 15 * S ? SSFR_SPRAY : SSFR_BUBBLE);
+    }
+    assert_true(kinds[SSFR_SPRAY] > 50 && kinds[SSFR_BUBBLE] > 50);
     free(all);
     ssfr_foam_destroy(&foam);
     drain(&w);
@@ -707,6 +811,24 @@ static void only_foam_ages_and_it_ends_with_its_lifetime(void **state)
         assert_true(all[last].kind == SSFR_FOAM && all[last].id == 3 && all[last].initial_lifetime == 0.5);
         assert_close(all[last].lifetime, 0.5 - n * DT, 1e-6, 0);
         free(all);
+    }
+    ssfr_foam_destroy(&foam);
+    drain(&w);
+}
+
+static void foam_ends_when_its_lifetime_is_spent_to_the_last_bit_and_others_stay_with_none(void **state)
+{
+    (void)state;
+    const double lo[3] = {-6 * S, -12 * S, -6 * S}, dt = 0x1p-8; /* s */
+    water *w = pour(R);
+    put_lattice(w, lo, 12, 12, 12, weightless);
+    ssfr_foam *foam = make_plain(weightless);
+    add(foam, (double[3]){0, 1, 0}, weightless, 0), add(foam, (double[3]){0, -6 * S, 0}, weightless, 0);
+    add(foam, (double[3]){0, 0.4 * S, 0}, weightless, 3 * dt);
+    still(w);
+    for (int n = 1; n <= 4; n++) {
+        step(foam, &w->fluid, dt);
+        assert_int_equal(ssfr_foam_count(foam), n < 3 ? 3 : 2);
     }
     ssfr_foam_destroy(&foam);
     drain(&w);
@@ -1194,6 +1316,22 @@ static void more_births_than_counts_hold_are_refused(void **state)
     drain(&w);
 }
 
+static void larger_particles_take_larger_limits_of_trapped_air(void **state)
+{
+    (void)state;
+    ssfr_foam_params p = defaults();
+    const ssfr_foam_params before = p;
+    ssfr_foam_params_coarsen(&p, 2.385);
+    assert_true(p.trapped_air_min == 2.385 * 5 && p.trapped_air_max == 2.385 * 20);
+    p.trapped_air_min = before.trapped_air_min, p.trapped_air_max = before.trapped_air_max;
+    assert_memory_equal(&p, &before, sizeof p);
+    p.trapped_air_max = 1e6;
+    ssfr_foam_params_coarsen(&p, 2.385);
+    assert_int_equal(ssfr_params_check(ssfr_foam_rows, &p, "foam"), SSFR_OK);
+    ssfr_foam *foam = make(&p, down, 1);
+    ssfr_foam_destroy(&foam);
+}
+
 static void rows_have_units_and_defaults_that_hold_to_them(void **state)
 {
     (void)state;
@@ -1313,9 +1451,13 @@ int main(void)
         cmocka_unit_test(two_particles_are_a_crest_where_they_move_along_their_normal),
         cmocka_unit_test(a_ridge_is_a_crest_and_a_plain_and_a_trough_are_none),
         cmocka_unit_test(water_that_fills_its_basin_has_no_crests_at_the_walls),
+        cmocka_unit_test(beside_a_wall_what_faces_away_from_it_is_surface),
         cmocka_unit_test(as_many_are_born_as_n_d_says),
         cmocka_unit_test(the_potentials_of_causes_add_up_and_that_of_energy_multiplies),
         cmocka_unit_test(births_fill_the_cylinder_of_the_way_and_come_in_the_order_of_particles),
+        cmocka_unit_test(births_of_any_direction_have_numbers_of_their_own),
+        cmocka_unit_test(what_is_born_of_more_potential_lasts_longer),
+        cmocka_unit_test(births_have_the_kind_of_their_place),
         cmocka_unit_test(other_seeds_and_other_steps_draw_other_numbers),
         cmocka_unit_test(at_the_limit_the_new_are_thinned_evenly_and_the_old_stay),
         cmocka_unit_test(slow_water_emits_nothing),
@@ -1327,6 +1469,7 @@ int main(void)
         cmocka_unit_test(a_bubble_rises_with_its_terminal_velocity),
         cmocka_unit_test(a_bubble_is_as_fast_in_steps_of_any_length),
         cmocka_unit_test(only_foam_ages_and_it_ends_with_its_lifetime),
+        cmocka_unit_test(foam_ends_when_its_lifetime_is_spent_to_the_last_bit_and_others_stay_with_none),
         cmocka_unit_test(nothing_leaves_through_a_wall),
         cmocka_unit_test(births_do_not_end_up_in_solids),
         cmocka_unit_test(what_leaves_by_an_open_side_or_gets_into_a_sink_is_removed),
@@ -1344,6 +1487,7 @@ int main(void)
         cmocka_unit_test(particles_that_are_not_finite_are_not_added),
         cmocka_unit_test(ids_that_would_repeat_are_refused),
         cmocka_unit_test(more_births_than_counts_hold_are_refused),
+        cmocka_unit_test(larger_particles_take_larger_limits_of_trapped_air),
         cmocka_unit_test(rows_have_units_and_defaults_that_hold_to_them),
         cmocka_unit_test(kinds_agree_with_those_of_splishsplash),
         cmocka_unit_test(the_impact_of_a_dam_break_emits_and_what_follows_hardly_does),

@@ -208,8 +208,10 @@ static ssfr_result count_frames(ssfr_reading *r, const ssfr_yaml_node *root)
 static void apply_scale(ssfr_reading *r)
 {
     const bool quick = r->d.scale == SSFR_SCALE_QUICK;
+    const double larger = quick ? cbrt(SSFR_QUICK_SHARE) : 1;
     r->spacing = ssfr_description_spacing(&r->d);
-    r->d.solver.radius *= quick ? cbrt(SSFR_QUICK_SHARE) : 1;
+    r->d.solver.radius *= larger;
+    ssfr_foam_params_coarsen(&r->d.foam, larger);
     r->d.solver.max_particles = quick ? (r->particles + SSFR_QUICK_SHARE / 2) / SSFR_QUICK_SHARE : r->particles;
     if (r->d.solver.max_particles == 0) r->d.solver.max_particles = 1;
     if (quick && r->d.foam.max_particles > 0) /* 0 means no limit */

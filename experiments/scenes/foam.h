@@ -25,6 +25,10 @@ typedef struct ssfr_foam_params {
 
 extern const ssfr_param ssfr_foam_rows[];
 
+/* For the same water in particles `scale` times as large: velocities within the support differ by about as much more,
+ * and without this so many more particles would emit. max_particles stays. */
+void ssfr_foam_params_coarsen(ssfr_foam_params *params, double scale);
+
 typedef struct ssfr_foam ssfr_foam;
 
 SSFR_MUST ssfr_result ssfr_foam_create(ssfr_foam **out, const ssfr_foam_params *params, const double gravity[3],

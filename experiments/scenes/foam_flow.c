@@ -96,13 +96,6 @@ typedef struct four {
 
 typedef void visit(void *sums, const ssfr_foam_flow *f, const four *four);
 
-static inline ssfr_lanes load(const float *values)
-{
-    ssfr_lanes all;
-    memcpy(&all, values, sizeof all);
-    return all;
-}
-
 static inline ssfr_lanes dot(const ssfr_lanes a[3], const ssfr_lanes b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -121,7 +114,7 @@ __attribute__((always_inline)) static inline void each_near(const ssfr_foam_flow
             const ssfr_lanes_mask lane = {0, 1, 2, 3}, in_range = lane < (int32_t)(ranges[i].end - s);
             four four;
             four.s = s;
-            UNROLL for (int k = 0; k < 3; k++) four.d[k] = at[k] - load(f->at[k] + s);
+            UNROLL for (int k = 0; k < 3; k++) four.d[k] = at[k] - ssfr_lanes_load(f->at[k] + s);
             four.r = ssfr_lanes_sqrt(dot(four.d, four.d));
             four.near = (four.r < f->kernel.support) & in_range;
             visit(sums, f, &four);
@@ -137,7 +130,7 @@ static inline void add_velocity(void *sums, const ssfr_foam_flow *f, const four 
 {
     momentum *m = sums;
     const ssfr_lanes weight = ssfr_lanes_where(four->near, ssfr_kernel_value(&f->kernel, four->r));
-    UNROLL for (int k = 0; k < 3; k++) m->sum[k] += weight * load(f->velocity[k] + four->s);
+    UNROLL for (int k = 0; k < 3; k++) m->sum[k] += weight * ssfr_lanes_load(f->velocity[k] + four->s);
     m->weight += weight;
     m->n += four->near;
 }
@@ -213,8 +206,8 @@ static inline void add_meeting(void *sums, const ssfr_foam_flow *f, const four *
     meeting *m = sums;
     ssfr_lanes apart[3], normal[3];
     UNROLL for (int k = 0; k < 3; k++) {
-        apart[k] = m->velocity[k] - load(f->velocity[k] + four->s);
-        normal[k] = load(f->normal[k] + four->s);
+        apart[k] = m->velocity[k] - ssfr_lanes_load(f->velocity[k] + four->s);
+        normal[k] = ssfr_lanes_load(f->normal[k] + four->s);
     }
     const ssfr_lanes weight = ssfr_lanes_where(four->near, 1 - four->r * f->kernel.per_support);
     /* |v| (1 - v^ . x^) without dividing by |v|; in one place there is no x^, and no direction counts. */

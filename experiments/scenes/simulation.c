@@ -112,13 +112,10 @@ static ssfr_result grow(batch *b)
     return SSFR_OK;
 }
 
-/* A number in [-1, 1) that depends on nothing but what is given (splitmix64's finaliser). */
+/* A number in [-1, 1) that depends on nothing but what is given. */
 static double random_at(uint64_t a, uint64_t b)
 {
-    uint64_t v = a * UINT64_C(0x9e3779b97f4a7c15) + b;
-    v = (v ^ v >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    v = (v ^ v >> 27) * UINT64_C(0x94d049bb133111eb);
-    return 2 * ldexp((double)((v ^ v >> 31) >> 11), -53) - 1;
+    return 2 * ldexp((double)(ssfr_mix_bits(a * UINT64_C(0x9e3779b97f4a7c15) + b) >> 11), -53) - 1;
 }
 
 /* In the domain, and in no solid. */

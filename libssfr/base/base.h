@@ -74,6 +74,15 @@ static inline double ssfr_mix(double a, double b, double t) { return a + (b - a)
 static inline double ssfr_square(double v) { return v * v; }
 static inline double ssfr_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/* The finaliser of SplitMix64 (Steele, Lea and Flood 2014): every bit of the result depends on every bit of v. Random
+ * numbers made of a seed and of whom they are for depend on no order. */
+static inline uint64_t ssfr_mix_bits(uint64_t v)
+{
+    v = (v ^ v >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    v = (v ^ v >> 27) * UINT64_C(0x94d049bb133111eb);
+    return v ^ v >> 31;
+}
+
 /* Normalises v in place and returns its length; a zero vector is left as it is. */
 static inline double ssfr_normalize(double v[3])
 {

@@ -117,19 +117,11 @@ struct ssfr_weber {
     uint64_t *keys, *spare; /* id << 32 | index */
 };
 
-/* The finaliser of splitmix64: every bit of the result depends on every bit of v. */
-static uint64_t mix_bits(uint64_t v)
-{
-    v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9u;
-    v = (v ^ v >> 27) * 0x94d049bb133111ebu;
-    return v ^ v >> 31;
-}
-
 /* In [lo, hi). */
 static double draw(const ssfr_weber *weber, state *s, double lo, double hi)
 {
-    const uint64_t seed = weber->seed + 0x9e3779b97f4a7c15u, who = mix_bits((uint64_t)s->id << 32 | s->draws);
-    const uint64_t bits = mix_bits(mix_bits(seed) ^ who);
+    const uint64_t seed = weber->seed + 0x9e3779b97f4a7c15u, who = ssfr_mix_bits((uint64_t)s->id << 32 | s->draws);
+    const uint64_t bits = ssfr_mix_bits(ssfr_mix_bits(seed) ^ who);
     s->draws = (s->draws + 1) & 0x3fffffff;
     return ssfr_mix(lo, hi, (double)(bits >> 11) * 0x1p-53);
 }
