@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* cmd_bench.c: `ssfr bench`: where the time of a frame goes, pass by pass. */
+#include "experiments/bench_solver.h"
 #include "experiments/columns.h"
 #include "experiments/command.h"
 #include "experiments/console.h"
@@ -223,6 +224,7 @@ end:
 
 int ssfr_cmd_bench(int argc, char **argv)
 {
+    if (argc > 1 && strcmp(argv[1], "solver") == 0) return ssfr_bench_solver(argc, argv);
     ssfr_result result = SSFR_OK;
     bench_options options = {.scene = "splash"};
     ssfr_setup_options setup_options;
@@ -236,11 +238,11 @@ int ssfr_cmd_bench(int argc, char **argv)
         {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0],
-        .arguments = "[PIPELINE]",
+        .arguments = "[PIPELINE|solver]",
         .max_arguments = 1,
         .sets = sets,
         .help = "Times a pipeline (default vanderlaan2009), pass by pass: medians, work, and how far each "
-                "is from the time that moving its bytes takes."};
+                "is from the time that moving its bytes takes. 'ssfr bench solver --help' tells of the simulator's."};
     ssfr_setup_defaults(&setup_options);
     ssfr_stage_defaults(&stage_options);
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));

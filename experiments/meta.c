@@ -138,13 +138,14 @@ static void put_scenes(ssfr_json *json, const ssfr_meta *meta)
 static ssfr_result put_parameters(ssfr_json *json, const ssfr_meta *meta)
 {
     ssfr_record record = {0};
-    const ssfr_result result = ssfr_record_graph(&record, meta->graph);
-    ssfr_json_text(json, "pipeline", meta->pipeline);
+    const ssfr_result result = meta->graph ? ssfr_record_graph(&record, meta->graph) : SSFR_OK;
+    if (meta->pipeline) ssfr_json_text(json, "pipeline", meta->pipeline);
     ssfr_json_object(json, "parameters");
     for (int i = 0; i < record.n; i++) {
         const ssfr_attribute *item = &record.items[i];
         if (!meta->spec || !ssfr_sweep_spec_axis(meta->spec, item->name)) ssfr_record_item_json(item, json);
     }
+    if (meta->parameters) ssfr_record_json(meta->parameters, json);
     ssfr_json_close(json);
     ssfr_record_finish(&record);
     return result;

@@ -24,7 +24,8 @@ typedef struct ssfr_meta {
     uint64_t identity;           /* of what the rows of a table have in common, see ssfr_meta_check; 0: none */
     const ssfr_gl *gl;           /* NULL when none is used */
     const char *pipeline;
-    const ssfr_graph *graph;     /* for its parameters; those that an axis varies are left out */
+    const ssfr_graph *graph;     /* for its parameters; those that an axis varies are left out; NULL for none */
+    const ssfr_record *parameters; /* of what is measured when that is no graph */
     const ssfr_sweep_spec *spec; /* NULL for a table without axes */
     int n_columns;
     const ssfr_column *columns;  /* those whose name does not say all */

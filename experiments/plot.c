@@ -2,14 +2,7 @@
 /* plot.c: points, fronts and a gnuplot script from the rows of a sweep. */
 #include "experiments/plot.h"
 #include "experiments/columns.h"
-
-#include <errno.h>
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-extern char **environ;
+#include "experiments/gnuplot.h"
 
 enum { MAX_LINES = 64, NAME_SIZE = 192 };
 
@@ -134,48 +127,17 @@ end:
 
 /* ---- the script -------------------------------------------------------------------------------------------------- */
 
-/* A gnuplot string: within single quotes nothing is special but the quote itself. */
-static void put_text(FILE *file, const char *text)
-{
-    fputc('\'', file);
-    for (const char *at = text; *at; at++)
-        if (*at == '\'')
-            fputs("''", file);
-        else
-            fputc((unsigned char)*at < 0x20 ? ' ' : *at, file);
-    fputc('\'', file);
-}
-
-/* Tics at 1, 2 and 5 of each decade; evenly spaced within a narrow range, at decades over a wide one. */
-static void put_log_tics(FILE *file, char name, double lo, double hi)
-{
-    static const double steps[] = {1, 2, 5};
-    const size_t n_steps = hi / lo > 2e3 ? 1 : SSFR_COUNT(steps);
-    fprintf(file, "set %ctics ()\n", name);
-    if (hi / lo < 6) {
-        const double unit = pow(10, floor(log10((hi - lo) / 4))), ratio = (hi - lo) / 4 / unit;
-        const double step = unit * (ratio > 5 ? 5 : ratio > 2 ? 2 : 1);
-        for (double i = ceil(lo / step); i * step <= hi; i++) fprintf(file, "set %ctics add (%.9g)\n", name, i * step);
-        return;
-    }
-    for (double decade = floor(log10(lo)); decade <= ceil(log10(hi)); decade++)
-        for (size_t i = 0; i < n_steps; i++) {
-            const double tic = steps[i] * pow(10, decade);
-            if (tic >= lo && tic <= hi) fprintf(file, "set %ctics add ('%g' %.9g)\n", name, tic, tic);
-        }
-}
-
 static void put_axis(FILE *file, char name, const axis *a)
 {
     const double factor = pow(fmax(a->hi / a->lo, 1.5), 0.06);
     const double margin = a->hi > a->lo ? 0.06 * (a->hi - a->lo) : fmax(0.05 * fabs(a->hi), 0.5);
     const double lo = a->log ? a->lo / factor : a->lo - margin, hi = a->log ? a->hi * factor : a->hi + margin;
     fprintf(file, "set %clabel ", name);
-    put_text(file, a->label);
+    ssfr_gnuplot_text(file, a->label);
     fprintf(file, "\nset %crange [%.9g:%.9g]\n", name, a->sign < 0 ? hi : lo, a->sign < 0 ? lo : hi);
     if (!a->log) return;
     fprintf(file, "set logscale %c\n", name);
-    put_log_tics(file, name, lo, hi);
+    ssfr_gnuplot_log_tics(file, name, lo, hi);
 }
 
 /* The points that p holds now, as the data block $<name><line>. */
@@ -215,40 +177,36 @@ end:
     return result;
 }
 
-/* Colours that the colour-blind tell apart (Okabe and Ito), and a sign of its own for each line. */
 static void put_lines(const plot *p, FILE *file)
 {
-    static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
-    static const int signs[] = {7, 5, 9, 11, 13, 4, 8, 10, 12};
     fputs("plot ", file);
     for (size_t i = 0; i < p->n_names; i++) {
-        const char *colour = colours[i % SSFR_COUNT(colours)];
-        const int sign = signs[i % SSFR_COUNT(signs)];
+        const char *colour = ssfr_gnuplot_colour(i);
+        const int sign = ssfr_gnuplot_sign(i);
         fprintf(file, "$all%zu using 1:2 with points pt %d ps 0.35 lc rgb '%s' notitle, ", i, sign, colour);
         fprintf(file, "$best%zu using 1:2 with linespoints pt %d ps 0.8 lw 1.5 lc rgb '%s' title ", i, sign, colour);
-        put_text(file, p->names[i]);
+        ssfr_gnuplot_text(file, p->names[i]);
         fputs(", ", file);
     }
     fprintf(file, "$front%zu using 1:2 with points pt 6 ps 1.7 lw 1.5 lc rgb 'black' title 'Pareto front'\n",
             p->n_names);
 }
 
-static ssfr_result put_script(plot *p, FILE *file, const char *output)
+static ssfr_result put_script(void *user, FILE *file, const char *output)
 {
+    plot *p = user;
     char note[256];
     const int length =
         snprintf(note, sizeof note, "lines join the best of each method, small signs are its other runs");
     if (p->n_left_out > 0)
         snprintf(note + length, sizeof note - (size_t)length, "; %zu of %zu runs failed or have no value to draw",
                  p->n_left_out, p->n_left_out + p->n_points);
-    fputs("set terminal svg size 1000,640 dynamic noenhanced font 'sans-serif,15' background 'white'\nset output ",
-          file);
-    put_text(file, output);
-    fputs("\nset title ", file);
-    put_text(file, p->spec->title ? p->spec->title : "work and precision");
+    ssfr_gnuplot_begin(file, 1000, 640, output);
+    fputs("set title ", file);
+    ssfr_gnuplot_text(file, p->spec->title ? p->spec->title : "work and precision");
     fputs(" . \"\\n\" . ", file);
-    put_text(file, note);
-    fputs("\nset key outside right top\nset grid lt 1 lw 0.5 lc rgb '#dddddd'\nset tics nomirror\n", file);
+    ssfr_gnuplot_text(file, note);
+    fputs("\nset key outside right top\n", file);
     put_axis(file, 'x', &p->x);
     put_axis(file, 'y', &p->y);
     const ssfr_result result = put_data(p, file);
@@ -257,57 +215,10 @@ static ssfr_result put_script(plot *p, FILE *file, const char *output)
     return result;
 }
 
-/* ---- gnuplot ----------------------------------------------------------------------------------------------------- */
-
-/* Runs gnuplot on a script that stands in a file without a name; its own complaints are not shown. */
-static int run_gnuplot(FILE *script, int *status)
-{
-    char *const argv[] = {"gnuplot", "--default-settings", "-", NULL};
-    posix_spawn_file_actions_t actions;
-    pid_t child;
-    int code = posix_spawn_file_actions_init(&actions);
-    if (code != 0) return code;
-    posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-    code = posix_spawnp(&child, argv[0], &actions, NULL, argv, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    while (code == 0 && waitpid(child, status, 0) < 0)
-        if (errno != EINTR) code = errno;
-    return code;
-}
-
-/* SSFR_ERR_UNSUPPORTED, with a warning only, when there is no gnuplot. */
-static ssfr_result draw(plot *p, FILE *script, const char *svg)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_aside aside = {0};
-    int status = 0;
-    SSFR_TRY(ssfr_aside_begin(&aside, svg));
-    SSFR_TRY(put_script(p, script, aside.temporary));
-    if (fflush(script) != 0 || fseek(script, 0, SEEK_SET) != 0) {
-        result = ssfr_fail(SSFR_ERR_IO, "%s: cannot write the script of the plot: %s", svg, strerror(errno));
-        goto end;
-    }
-    const int code = run_gnuplot(script, &status);
-    if (code == ENOENT || (WIFEXITED(status) && WEXITSTATUS(status) == 127)) {
-        ssfr_log(SSFR_WARNING, "%s: not drawn, gnuplot is not installed", svg);
-        result = SSFR_ERR_UNSUPPORTED;
-        goto end;
-    }
-    if (code != 0)
-        result = ssfr_fail(SSFR_ERR_IO, "%s: cannot start gnuplot: %s", svg, strerror(code));
-    else if (status != 0 || access(aside.temporary, R_OK) != 0)
-        result = ssfr_fail(SSFR_ERR_IO, "%s: gnuplot failed with status %d", svg, WEXITSTATUS(status));
-end:
-    return ssfr_aside_end(&aside, result);
-}
-
 ssfr_result ssfr_plot_save(const char *svg, const ssfr_csv_table *table, const ssfr_plot_spec *spec)
 {
     ssfr_result result = SSFR_OK;
     plot *p = NULL;
-    FILE *script = NULL;
     SSFR_TRY(ssfr_alloc(&p, 1, sizeof *p, "a plot"));
     p->table = table;
     p->spec = spec;
@@ -319,11 +230,8 @@ ssfr_result ssfr_plot_save(const char *svg, const ssfr_csv_table *table, const s
         ssfr_log(SSFR_WARNING, "%s: not drawn, no run has a value for both %s and %s", svg, spec->x, spec->y);
         goto end;
     }
-    script = tmpfile();
-    result = script ? draw(p, script, svg) : ssfr_fail(SSFR_ERR_IO, "%s: no temporary file: %s", svg, strerror(errno));
-    if (result == SSFR_ERR_UNSUPPORTED) result = SSFR_OK;
+    SSFR_TRY(ssfr_gnuplot_draw(svg, put_script, p));
 end:
-    if (script) fclose(script);
     if (p) free(p->points);
     free(p);
     return result;

@@ -190,7 +190,7 @@ that 'with metadata' grep -q '"curvature_flow.iterations": 40' b.meta.json
 that 'which say what each column means' grep -q '"bytes \[B\]": "fewest bytes' b.meta.json
 that 'of which there are as many' [ "$(head -n 1 b.csv | tr , '\n' | wc -l)" -eq \
     "$(sed -n '/"columns"/,/}/p' b.meta.json | grep -c '": "')" ]
-refuses 'bench knows its pipelines' 'solver: no such pipeline; there are vanderlaan2009' bench solver
+refuses 'bench knows its pipelines' 'nothing: no such pipeline; there are vanderlaan2009' bench nothing
 refuses 'bench finds out at once where it cannot write' 'absent/b.csv' bench -o absent/b.csv
 mkfifo pipe
 refuses 'bench replaces no pipe or device' 'pipe: is not a regular file' bench -o pipe

@@ -35,6 +35,9 @@ const ssfr_param ssfr_solver_rows[] = {
 
 #define MAX_DOMAIN 4e6 /* radii along an axis, which the grid can tell apart */
 
+const char *const ssfr_solver_stage_words[] = {"predict", "multipliers", "correct", "arrive", "sort",
+                                               "list",    "density",     "smooth",  NULL};
+
 /* ---- creating ---------------------------------------------------------------------------------------------------- */
 
 static ssfr_result check_setup(const ssfr_solver_setup *s)
@@ -246,6 +249,8 @@ ssfr_result ssfr_solver_step(ssfr_solver *solver, double dt, int n_obstacles, co
     if (n_obstacles > SSFR_MAX_OBSTACLES)
         return ssfr_fail(SSFR_ERR_VALUE, "solver: %d obstacles, at most %d", n_obstacles, SSFR_MAX_OBSTACLES);
     if (!(dt > 0)) goto end;
+    memset(solver->seconds, 0, sizeof solver->seconds);
+    solver->lap = ssfr_clock();
     if (solver->stale) SSFR_TRY(ssfr_solver_sort(solver));
     solver->stale = false; /* densities are summed at the end */
     soften(solver, dt);
@@ -255,17 +260,22 @@ ssfr_result ssfr_solver_step(ssfr_solver *solver, double dt, int n_obstacles, co
                                   ssfr_solver_local(solver, &obstacles[o].now), obstacles[o].friction};
     SSFR_TRY(ssfr_solver_find_contacts(solver, true, n_obstacles, near));
     begin_iterations(solver);
+    ssfr_solver_lap(solver, SSFR_SOLVER_PREDICT);
     for (int i = 0; i < solver->setup.params.iterations; i++) {
         ssfr_solver_find_multipliers(solver);
+        ssfr_solver_lap(solver, SSFR_SOLVER_MULTIPLIERS);
         ssfr_solver_correct(solver);
+        ssfr_solver_lap(solver, SSFR_SOLVER_CORRECT);
     }
     ssfr_solver_finish_contacts(solver, dt, near);
     solver->time += dt;
     SSFR_TRY(arrive(solver, dt));
     ssfr_solver_drop_left(solver);
+    ssfr_solver_lap(solver, SSFR_SOLVER_ARRIVE);
     SSFR_TRY(ssfr_solver_arrange(solver));
     ssfr_solver_smooth_velocity(solver, dt);
     ssfr_solver_publish(solver);
+    ssfr_solver_lap(solver, SSFR_SOLVER_SMOOTH);
 end:
     return result;
 }

@@ -64,4 +64,21 @@ SSFR_MUST ssfr_result ssfr_solver_read(ssfr_solver *solver, FILE *file);
 
 size_t ssfr_solver_bytes(const ssfr_solver *solver); /* memory held */
 
+/* What a step does, in its order; each is a loop over all particles, the two of the iterations are several. */
+typedef enum ssfr_solver_stage {
+    SSFR_SOLVER_PREDICT,     /* where particles would go, the walls and obstacles that they would meet there */
+    SSFR_SOLVER_MULTIPLIERS, /* of the density constraint: the first half of its iterations */
+    SSFR_SOLVER_CORRECT,     /* the second half */
+    SSFR_SOLVER_ARRIVE,      /* contacts, new positions and velocities */
+    SSFR_SOLVER_SORT,        /* by the grid's cells */
+    SSFR_SOLVER_LIST,        /* neighbours */
+    SSFR_SOLVER_DENSITY,
+    SSFR_SOLVER_SMOOTH,      /* velocities: viscosity and vorticity */
+    SSFR_N_SOLVER_STAGES
+} ssfr_solver_stage;
+
+extern const char *const ssfr_solver_stage_words[]; /* in their order, then NULL */
+/* What the last step spent in each, s. */
+const double *ssfr_solver_seconds(const ssfr_solver *solver);
+
 #endif

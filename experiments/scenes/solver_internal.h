@@ -69,7 +69,17 @@ struct ssfr_solver {
     ssfr_contact *contacts;
     size_t contacts_capacity;
     ssfr_grid *grid;
+    double seconds[SSFR_N_SOLVER_STAGES]; /* of the last step */
+    double lap;         /* s by the clock, at which the last stage ended */
 };
+
+/* A stage ends here. */
+static inline void ssfr_solver_lap(ssfr_solver *solver, ssfr_solver_stage stage)
+{
+    const double now = ssfr_clock();
+    solver->seconds[stage] += now - solver->lap;
+    solver->lap = now;
+}
 
 /* The solid relative to the solver's origin: far from the world's, it is as exact as at it. */
 static inline ssfr_solid ssfr_solver_local(const ssfr_solver *solver, const ssfr_solid *solid)

@@ -107,7 +107,9 @@ ssfr_result ssfr_solver_sort(ssfr_solver *solver)
     sort(solver);
     ssfr_solver_publish(solver);
     place_filler(solver);
+    ssfr_solver_lap(solver, SSFR_SOLVER_SORT);
     SSFR_TRY(ssfr_solver_list(solver));
+    ssfr_solver_lap(solver, SSFR_SOLVER_LIST);
 end:
     return result;
 }
@@ -118,9 +120,15 @@ ssfr_result ssfr_solver_arrange(ssfr_solver *solver)
     SSFR_TRY(ssfr_solver_sort(solver));
     if (solver->stale) SSFR_TRY(find_walls(solver));
     ssfr_solver_sum_density(solver);
+    ssfr_solver_lap(solver, SSFR_SOLVER_DENSITY);
     solver->stale = false;
 end:
     return result;
+}
+
+const double *ssfr_solver_seconds(const ssfr_solver *solver)
+{
+    return solver->seconds;
 }
 
 /* ---- adding and removing ----------------------------------------------------------------------------------------- */

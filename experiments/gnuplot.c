@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* gnuplot.c: starting gnuplot on a script, and writing the parts that scripts share. */
+#include "experiments/gnuplot.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* ---- parts of scripts -------------------------------------------------------------------------------------------- */
+
+void ssfr_gnuplot_begin(FILE *script, int w, int h, const char *output)
+{
+    fprintf(script, "set terminal svg size %d,%d dynamic noenhanced font 'sans-serif,15' background 'white'\n", w, h);
+    fputs("set output ", script);
+    ssfr_gnuplot_text(script, output);
+    fputs("\nset grid lt 1 lw 0.5 lc rgb '#dddddd'\nset tics nomirror\n", script);
+}
+
+void ssfr_gnuplot_text(FILE *script, const char *text)
+{
+    fputc('\'', script);
+    for (const char *at = text; *at; at++)
+        if (*at == '\'')
+            fputs("''", script);
+        else
+            fputc((unsigned char)*at < 0x20 ? ' ' : *at, script);
+    fputc('\'', script);
+}
+
+void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
+{
+    static const double steps[] = {1, 2, 5};
+    const size_t n_steps = hi / lo > 2e3 ? 1 : SSFR_COUNT(steps);
+    fprintf(script, "set %ctics ()\n", name);
+    if (hi / lo < 6) {
+        const double unit = pow(10, floor(log10((hi - lo) / 4))), ratio = (hi - lo) / 4 / unit;
+        const double step = unit * (ratio > 5 ? 5 : ratio > 2 ? 2 : 1);
+        for (double i = ceil(lo / step); i * step <= hi; i++)
+            fprintf(script, "set %ctics add (%.9g)\n", name, i * step);
+        return;
+    }
+    for (double decade = floor(log10(lo)); decade <= ceil(log10(hi)); decade++)
+        for (size_t i = 0; i < n_steps; i++) {
+            const double tic = steps[i] * pow(10, decade);
+            if (tic >= lo && tic <= hi) fprintf(script, "set %ctics add ('%g' %.9g)\n", name, tic, tic);
+        }
+}
+
+const char *ssfr_gnuplot_colour(size_t i)
+{
+    /* Okabe and Ito's */
+    static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+    return colours[i % SSFR_COUNT(colours)];
+}
+
+int ssfr_gnuplot_sign(size_t i)
+{
+    static const int signs[] = {7, 5, 9, 11, 13, 4, 8, 10, 12};
+    return signs[i % SSFR_COUNT(signs)];
+}
+
+/* ---- running ----------------------------------------------------------------------------------------------------- */
+
+/* Runs gnuplot on a script that stands in a file without a name; its own complaints are not shown. */
+static int run(FILE *script, int *status)
+{
+    char *const argv[] = {"gnuplot", "--default-settings", "-", NULL};
+    posix_spawn_file_actions_t actions;
+    pid_t child;
+    int code = posix_spawn_file_actions_init(&actions);
+    if (code != 0) return code;
+    posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    code = posix_spawnp(&child, argv[0], &actions, NULL, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    while (code == 0 && waitpid(child, status, 0) < 0)
+        if (errno != EINTR) code = errno;
+    return code;
+}
+
+/* SSFR_ERR_UNSUPPORTED, with a warning only, when there is no gnuplot. */
+static ssfr_result draw(FILE *script, const char *svg, ssfr_gnuplot_script *put, void *user)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_aside aside = {0};
+    int status = 0;
+    SSFR_TRY(ssfr_aside_begin(&aside, svg));
+    SSFR_TRY(put(user, script, aside.temporary));
+    if (fflush(script) != 0 || fseek(script, 0, SEEK_SET) != 0) {
+        result = ssfr_fail(SSFR_ERR_IO, "%s: cannot write the script of the plot: %s", svg, strerror(errno));
+        goto end;
+    }
+    const int code = run(script, &status);
+    if (code == ENOENT || (WIFEXITED(status) && WEXITSTATUS(status) == 127)) {
+        ssfr_log(SSFR_WARNING, "%s: not drawn, gnuplot is not installed", svg);
+        result = SSFR_ERR_UNSUPPORTED;
+        goto end;
+    }
+    if (code != 0)
+        result = ssfr_fail(SSFR_ERR_IO, "%s: cannot start gnuplot: %s", svg, strerror(code));
+    else if (status != 0 || access(aside.temporary, R_OK) != 0)
+        result = ssfr_fail(SSFR_ERR_IO, "%s: gnuplot failed with status %d", svg, WEXITSTATUS(status));
+end:
+    return ssfr_aside_end(&aside, result);
+}
+
+ssfr_result ssfr_gnuplot_draw(const char *svg, ssfr_gnuplot_script *put, void *user)
+{
+    FILE *script = tmpfile();
+    if (!script) return ssfr_fail(SSFR_ERR_IO, "%s: no temporary file: %s", svg, strerror(errno));
+    const ssfr_result result = draw(script, svg, put, user);
+    fclose(script);
+    return result == SSFR_ERR_UNSUPPORTED ? SSFR_OK : result;
+}

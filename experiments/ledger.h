@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* ledger.h: a table that grows row by row: kept for printing and drawing, and written to a CSV that can be gone on with.
+ *
+ * Its columns are keys, which tell one row from another, then "status", then numbers. */
+#ifndef SSFR_LEDGER_H
+#define SSFR_LEDGER_H
+
+#include "experiments/columns.h"
+#include "experiments/console.h"
+#include "experiments/csv.h"
+
+enum { SSFR_LEDGER_COLUMNS = 32 };
+
+typedef struct ssfr_ledger {
+    int n_columns, n_keys;
+    ssfr_table cells; /* the header, then the rows */
+    ssfr_csv *csv;    /* NULL for none */
+} ssfr_ledger;
+
+/* path NULL: no file. With `resume` the rows that the file holds are taken over; then *resumed is set if it had any. */
+SSFR_MUST ssfr_result ssfr_ledger_begin(ssfr_ledger *ledger, const char *path, int n_columns, const ssfr_column *columns,
+                                      int n_keys, bool resume, bool *resumed);
+void ssfr_ledger_finish(ssfr_ledger *ledger);
+
+bool ssfr_ledger_has(const ssfr_ledger *ledger, const char *const *keys);
+/* Adds a row of n_keys keys, the status, and a number for each of the other columns; not when there is one of these
+ * keys. */
+SSFR_MUST ssfr_result ssfr_ledger_add(ssfr_ledger *ledger, const char *const *keys, const char *status,
+                                    const double *numbers);
+
+/* As if read from the file; valid until the next row. */
+ssfr_csv_table ssfr_ledger_view(const ssfr_ledger *ledger);
+
+#endif
