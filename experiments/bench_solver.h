@@ -1,21 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bench_solver.h: `ssfr bench solver`: what the embedded simulator costs, and how far it is from the laws it stands for.
+/* bench_solver.h: `ssfr bench solver`: what the embedded simulator costs, and how far its
+ * water is from real water.
  *
- *      bench_solver.c            the command: tables, metadata, charts
+ *      bench_solver.c            the command: visiting all that is measured, printing, saving
+ *      bench_solver_tables.c     columns and charts
  *      bench_solver_cost.c       time of steps and memory, against the number of particles and threads
  *      bench_solver_physics.c    density, volume, stillness, free fall */
 #ifndef SSFR_BENCH_SOLVER_H
 #define SSFR_BENCH_SOLVER_H
 
+#include "experiments/chart.h"
 #include "experiments/ledger.h"
 #include "experiments/scenes/tank.h"
 
 /* argv[0] is "bench", argv[1] "solver"; gives the exit status. */
 int ssfr_bench_solver(int argc, char **argv);
 
-/* ---- shared by its files ------------------------------------------------------------------------------------------ */
+/* ---- shared by its files ----------------------------------------------------------------------------------------- */
 
-enum { SSFR_BENCH_KEYS = 5, SSFR_BENCH_NUMBERS = 16 };
+enum { SSFR_BENCH_KEYS = 5, SSFR_BENCH_PANELS = 4 };
 
 /* The tables, in the order in which they are made. */
 typedef enum ssfr_bench_table {
@@ -25,6 +28,17 @@ typedef enum ssfr_bench_table {
     SSFR_BENCH_FALL,
     SSFR_N_BENCH_TABLES
 } ssfr_bench_table;
+
+typedef struct ssfr_bench_layout {
+    const char *ending; /* of the file, instead of the .csv of the first */
+    int n_keys, n_columns;
+    const ssfr_column *columns;
+    const char *title;  /* of the charts */
+    int n_panels;
+    const ssfr_panel *panels; /* where an `only` has no cell it is the number of all threads */
+} ssfr_bench_layout;
+
+extern const ssfr_bench_layout ssfr_bench_tables[SSFR_N_BENCH_TABLES];
 
 typedef struct ssfr_bench {
     bool quick;

@@ -299,7 +299,8 @@ ssfr_result ssfr_bench_cost(ssfr_bench *bench)
         for (int kind = SSFR_TANK_POOL; kind <= SSFR_TANK_DAM_BREAK; kind++) {
             const cost c = {(ssfr_tank_kind)kind, layers[i]};
             ssfr_bench_key last;
-            if (particles_of(&c) > bench->max_particles || (kind == SSFR_TANK_DAM_BREAK && layers[i] > MAX_SPLASH)) continue;
+            if (particles_of(&c) > bench->max_particles) continue;
+            if (kind == SSFR_TANK_DAM_BREAK && layers[i] > MAX_SPLASH) continue;
             name(&last, &c, bench->max_threads, "(step)", 0);
             SSFR_TRY(ssfr_bench_visit(bench, run, &c, expect(bench, &c), SSFR_BENCH_COST, last.cells));
         }

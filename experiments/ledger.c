@@ -17,8 +17,8 @@ end:
     return result;
 }
 
-ssfr_result ssfr_ledger_begin(ssfr_ledger *ledger, const char *path, int n_columns, const ssfr_column *columns, int n_keys,
-                            bool resume, bool *resumed)
+ssfr_result ssfr_ledger_begin(ssfr_ledger *ledger, const char *path, int n_columns, const ssfr_column *columns,
+                              int n_keys, bool resume, bool *resumed)
 {
     ssfr_result result = SSFR_OK;
     char headers[SSFR_LEDGER_COLUMNS][128];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* ledger.h: a table that grows row by row: kept for printing and drawing, and written to a CSV that can be gone on with.
+/* ledger.h: a table that grows row by row: kept for printing and drawing, and written to a CSV that can be gone on
+ * with.
  *
  * Its columns are keys, which tell one row from another, then "status", then numbers. */
 #ifndef SSFR_LEDGER_H
@@ -17,9 +18,9 @@ typedef struct ssfr_ledger {
     ssfr_csv *csv;    /* NULL for none */
 } ssfr_ledger;
 
-/* path NULL: no file. With `resume` the rows that the file holds are taken over; then *resumed is set if it had any. */
-SSFR_MUST ssfr_result ssfr_ledger_begin(ssfr_ledger *ledger, const char *path, int n_columns, const ssfr_column *columns,
-                                      int n_keys, bool resume, bool *resumed);
+/* path NULL: no file. With `resume` the rows that the file holds are taken over; *resumed: it had some. */
+SSFR_MUST ssfr_result ssfr_ledger_begin(ssfr_ledger *ledger, const char *path, int n_columns,
+                                          const ssfr_column *columns, int n_keys, bool resume, bool *resumed);
 void ssfr_ledger_finish(ssfr_ledger *ledger);
 
 bool ssfr_ledger_has(const ssfr_ledger *ledger, const char *const *keys);

@@ -112,9 +112,9 @@ static void another_table_is_not_gone_on_with(void **state)
                  ssfr_ledger_begin(&ledger, path, SSFR_COUNT(columns), columns, 2, true, &resumed),
                  "column 2 is m, expected n");
     ssfr_ledger_finish(&ledger);
+    path = test_path("absent/t.csv");
     assert_fails(SSFR_ERR_IO,
-                 ssfr_ledger_begin(&ledger, test_path("absent/t.csv"), SSFR_COUNT(columns), columns, 2, false, &resumed),
-                 "absent/t.csv");
+                 ssfr_ledger_begin(&ledger, path, SSFR_COUNT(columns), columns, 2, false, &resumed), "absent/t.csv");
     ssfr_ledger_finish(&ledger);
 }
 

@@ -114,14 +114,13 @@ static bool near_wall(const ssfr_tank *tank, const float x[3], const double orig
     return near;
 }
 
-/* Calls for each neighbour within the support: the sum of unit vectors to them, how many there are, and whether one is
- * marked. marks may be NULL. */
-typedef struct surroundings {
-    double towards[3];
+typedef struct surroundings { /* neighbours within the support */
+    double towards[3]; /* sum of unit vectors to them */
     int n;
-    bool marked;
+    bool marked;       /* one of them is */
 } surroundings;
 
+/* marks may be NULL. */
 static surroundings look_around(const ssfr_fluid *fluid, size_t i, const bool *marks)
 {
     surroundings s = {0};
