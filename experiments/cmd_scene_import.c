@@ -43,6 +43,7 @@ static void tell(const import_words *words, const ssfr_stage *stage, const outco
 {
     printf("%s: ", words->output);
     if (ssfr_sequence_is(words->output)) printf("%zu frames, ", all->n_files);
+    else if (stage->frame >= 0) printf("frame %ld, ", stage->frame);
     printf("%zu particles", all->n_particles);
     if (stage->estimate > 0) printf(", radius estimated as %g m", stage->estimate);
     if (all->computed & SSFR_COMPUTED_DENSITY) printf(", density computed");

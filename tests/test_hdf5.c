@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 enum { N = 700 };
 
@@ -351,7 +352,50 @@ static void deflated_chunks_larger_than_the_dataset_are_refused(void **state)
     H5Sclose(space);
     H5Pclose(list);
     H5Fclose(file);
-    assert_refused(path, SSFR_ERR_FORMAT, "position: deflated chunks are larger than the dataset");
+    assert_refused(path, SSFR_ERR_FORMAT, "or their chunks larger than the dataset");
+}
+
+/* A file whose positions are one chunk of these bytes, said to have passed no filter whose bit is in `skipped`. */
+static const char *make_chunk(bool filtered, uint32_t skipped, const void *data, size_t size)
+{
+    const char *path = make_file("particles", &radius, 0, NULL);
+    const hsize_t dims[2] = {3, 3}, origin[2] = {0, 0};
+    const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), list = H5Pcreate(H5P_DATASET_CREATE);
+    const hid_t space = H5Screate_simple(2, dims, NULL);
+    H5Pset_chunk(list, 2, dims);
+    if (filtered) H5Pset_deflate(list, 1);
+    const hid_t id = H5Dcreate2(file, "particles/position", H5T_IEEE_F64LE, space, H5P_DEFAULT, list, H5P_DEFAULT);
+    assert_true(H5Dwrite_chunk(id, H5P_DEFAULT, skipped, origin, size, data) >= 0);
+    H5Dclose(id);
+    H5Sclose(space);
+    H5Pclose(list);
+    H5Fclose(file);
+    return path;
+}
+
+static void chunks_that_do_not_fill_their_room_are_refused(void **state)
+{
+    (void)state;
+    static const char says[] = "position: the deflated values are damaged";
+    Bytef packed[256];
+    for (size_t size = 8; size <= sizeof values; size += 8) {
+        uLongf n = sizeof packed;
+        assert_int_equal(compress(packed, &n, (const Bytef *)values, size), Z_OK);
+        if (size < sizeof values) {
+            assert_refused(make_chunk(true, 0, packed, n), SSFR_ERR_FORMAT, says);
+            assert_refused(make_chunk(true, 1, values, size), SSFR_ERR_FORMAT, says);
+            assert_refused(make_chunk(false, 0, values, size), SSFR_ERR_FORMAT, says);
+            continue;
+        }
+        assert_refused(make_chunk(true, 0, packed, n - 1), SSFR_ERR_FORMAT, says);
+        for (int i = 0; i < 3; i++) {
+            const bool deflated = i == 0;
+            ssfr_particles *p = load(make_chunk(i < 2, i == 1, deflated ? (const void *)packed : values,
+                                                deflated ? n : size));
+            find_particle(p, 2.385, 4, 5);
+            ssfr_particles_destroy(&p);
+        }
+    }
 }
 
 static void a_radius_is_one_number_above_zero(void **state)
@@ -414,7 +458,7 @@ static void damaged_values_are_refused(void **state)
         const unsigned header = (unsigned)(unsigned char)data[i] << 8 | (unsigned char)data[i + 1];
         if (header != 0x785e && header != 0x789c) continue; /* of a deflated stream */
         data[i + 2] = (char)0xff; /* no kind of block */
-        assert_refused(particle_file("damaged.h5", data, size), SSFR_ERR_FORMAT, ": inflate() failed");
+        assert_refused(particle_file("damaged.h5", data, size), SSFR_ERR_FORMAT, ": the deflated values are damaged");
         n_streams++;
         data[i + 2] = (char)kept;
     }
@@ -722,6 +766,7 @@ int main(void)
         cmocka_unit_test(files_without_particles_are_refused),
         cmocka_unit_test(counts_that_the_file_cannot_hold_are_refused),
         cmocka_unit_test(deflated_chunks_larger_than_the_dataset_are_refused),
+        cmocka_unit_test(chunks_that_do_not_fill_their_room_are_refused),
         cmocka_unit_test(a_radius_is_one_number_above_zero),
         cmocka_unit_test(values_that_are_not_finite_are_refused_or_dropped),
         cmocka_unit_test(a_file_cut_anywhere_never_harms),

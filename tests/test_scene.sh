@@ -245,6 +245,8 @@ printf '%s\n' ply 'format ascii 1.0' 'element vertex 0' 'property float x' 'prop
 accepts 'frames without a radius' scene import some_%d.ply -o same_%d.h5
 that 'with what was computed' grep -qx \
     'same_%d.h5: 4 frames, 9 particles, radius estimated as 0.5 m, density computed, neighbours computed' out
+accepts 'one of them' scene import some_%d.ply -o one.h5 --as-is
+that 'which is told' grep -qx 'one.h5: frame 2, 3 particles, radius estimated as 1.5 m' out
 for frame in 0 1 2 3; do
     accepts "frame $frame of them" scene info same_$frame.h5
     that 'has the radius of all' [ "$(value radius)" = 0.5 ]

@@ -442,6 +442,7 @@ static ssfr_result check_wholes(const ssfr_particles *set, const char *path)
 static ssfr_result write_file(const ssfr_particles *set, const char *path, const char *temporary)
 {
     int error = Z_OK;
+    errno = 0;
     gzFile file = gzopen(temporary, "wb");
     bool ok = file != NULL;
     if (file) {
@@ -453,7 +454,7 @@ static ssfr_result write_file(const ssfr_particles *set, const char *path, const
         gzerror(file, &error);
         ok = gzclose(file) == Z_OK && error == Z_OK;
     }
-    return ok ? SSFR_OK : ssfr_fail(SSFR_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
+    return ok ? SSFR_OK : ssfr_fail(SSFR_ERR_IO, "%s: cannot be written: %s", path, strerror(errno ? errno : EIO));
 }
 
 ssfr_result ssfr_bgeo_write(const ssfr_particles *set, const char *path)

@@ -18,6 +18,7 @@
 #include <pthread.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 enum { CHUNK = 16384, DEFLATE_LEVEL = 6 };
 
@@ -209,17 +210,58 @@ static bool read_shape(hid_t space, size_t count, bool foreign, hsize_t dims[2])
            H5Sget_simple_extent_dims(space, dims, NULL) == rank && dims[1] == count;
 }
 
-/* HDF5 trusts a file that a deflated chunk fills the room that a chunk has. A chunk larger than the dataset, which a
- * damaged file may have, would let it read past the end. */
-static bool chunks_fit(hid_t dataset, int rank, const hsize_t dims[2])
+/* Which of a dataset's filters deflates: -1 for none, -2 when there are others whose work is not known. */
+static int find_deflate(hid_t list)
 {
-    const hid_t list = H5Dget_create_plist(dataset);
-    hsize_t chunk[2] = {0, 0};
-    bool fit = list > 0;
-    if (fit && H5Pget_layout(list) == H5D_CHUNKED && H5Pget_nfilters(list) > 0) {
-        fit = H5Pget_chunk(list, rank, chunk) == rank;
-        for (int k = 0; k < rank; k++) fit = fit && chunk[k] <= dims[k];
+    int found = -1;
+    for (int i = 0; i < H5Pget_nfilters(list); i++) {
+        unsigned flags = 0;
+        size_t n = 0;
+        const H5Z_filter_t filter = H5Pget_filter2(list, (unsigned)i, &flags, &n, NULL, 0, NULL, NULL);
+        if (filter == H5Z_FILTER_DEFLATE)
+            found = i;
+        else if (filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32)
+            return -2;
     }
+    return found;
+}
+
+/* Whether the chunk at this place holds or inflates to the `full` bytes that it has room for. */
+static bool chunk_fills(hid_t dataset, const hsize_t at[2], int deflate, size_t file_size, size_t full)
+{
+    unsigned skipped = 0; /* bits of the filters that left this chunk as it was */
+    uint32_t unused = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t size = 0;
+    uLongf n = full;
+    if (H5Dget_chunk_info_by_coord(dataset, at, &skipped, &address, &size) < 0 || size > file_size) return false;
+    if (address == HADDR_UNDEF) return true;
+    if (deflate < 0 || skipped >> deflate & 1) return size >= full;
+    Bytef *const deflated = malloc(size), *const inflated = malloc(full);
+    const bool fills = deflated && inflated && H5Dread_chunk(dataset, H5P_DEFAULT, at, &unused, deflated) >= 0 &&
+                       uncompress(inflated, &n, deflated, size) == Z_OK && n == full;
+    free(deflated);
+    free(inflated);
+    return fills;
+}
+
+/* HDF5 trusts a file that a chunk fills its room, and that the room of one that passed filters is no larger than the
+ * dataset. A damaged file would let it read past the end. */
+static bool chunks_fit(const source *s, hid_t dataset, int rank, const hsize_t dims[2])
+{
+    const hid_t list = H5Dget_create_plist(dataset), type = H5Dget_type(dataset);
+    hsize_t chunk[2] = {1, 1};
+    bool fit = list > 0 && type > 0;
+    if (fit && H5Pget_layout(list) == H5D_CHUNKED) {
+        const int deflate = find_deflate(list);
+        const bool any = H5Pget_nfilters(list) > 0;
+        fit = H5Pget_chunk(list, rank, chunk) == rank && (!any || (chunk[0] <= dims[0] && chunk[1] <= dims[1]));
+        const size_t full = fit ? chunk[0] * chunk[1] * H5Tget_size(type) : 0;
+        for (hsize_t i = 0; i < dims[0] && fit && deflate > -2; i += chunk[0])
+            for (hsize_t k = 0; k < dims[1] && fit; k += chunk[1])
+                fit = chunk_fills(dataset, (hsize_t[2]){i, k}, deflate, s->size, full);
+    }
+    drop(type);
     drop(list);
     return fit;
 }
@@ -242,8 +284,9 @@ static ssfr_result check_dataset(const source *s, hid_t dataset, const char *nam
     } else if (dims[0] > s->size * SSFR_DEFLATE_MOST / (count * H5Tget_size(type))) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: %llu particles do not fit into a file of %zu bytes", path, name,
                            (unsigned long long)dims[0], s->size);
-    } else if (!chunks_fit(dataset, H5Sget_simple_extent_ndims(space), dims)) {
-        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: deflated chunks are larger than the dataset", path, name);
+    } else if (!chunks_fit(s, dataset, H5Sget_simple_extent_ndims(space), dims)) {
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: the deflated values are damaged, or their chunks larger than the dataset",
+                           path, name);
     }
     *n = (size_t)dims[0];
     drop(type);
@@ -369,13 +412,13 @@ end:
 }
 
 /* A number of its own, not deflated together with others. */
-static bool is_one_number(hid_t dataset)
+static bool is_one_number(const source *s, hid_t dataset)
 {
     const hid_t space = H5Dget_space(dataset), type = H5Dget_type(dataset);
     const hsize_t one[2] = {1, 1};
     const int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
     const bool fits = type > 0 && (rank == 0 || rank == 1) && H5Sget_simple_extent_npoints(space) == 1 &&
-                      type_fits(type, true, true) && (rank == 0 || chunks_fit(dataset, rank, one));
+                      type_fits(type, true, true) && (rank == 0 || chunks_fit(s, dataset, rank, one));
     drop(type);
     drop(space);
     return fits;
@@ -393,7 +436,7 @@ static ssfr_result read_radius(const source *s)
         ok = space > 0 && H5Sget_simple_extent_npoints(space) == 1 &&
              H5Aread(attribute, H5T_NATIVE_DOUBLE, radius) >= 0;
     } else {
-        ok = is_one_number(dataset) &&
+        ok = is_one_number(s, dataset) &&
              H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, radius) >= 0;
     }
     if (!ok)
