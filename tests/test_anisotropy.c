@@ -355,6 +355,23 @@ static void few_neighbours_give_small_spheres(void **state)
     release(&c);
 }
 
+static void nothing_is_longer_than_k_max(void **state)
+{
+    (void)state;
+    static double positions[3 * N_CUBE];
+    ssfr_anisotropy_params params = ssfr_anisotropy_defaults();
+    params.k_max = 0.1; /* less than k_n / k_r */
+    make_lattice(positions, (const double[3]){0.3, -0.2, 2.385}, cbrt(0.8) * 2 * radius, 0.6);
+    cloud c = compute(N_CUBE, positions, &params);
+    for (size_t i = 0; i < N_CUBE; i++) {
+        double axes[3], directions[3][3];
+        axes_of(&c, i, axes, directions);
+        assert_close(axes[0], 0.1, 1e-7, 0);
+        assert_true(axes[2] >= 0.025 - 1e-7);
+    }
+    release(&c);
+}
+
 static void degenerate_neighbourhoods_have_finite_shapes(void **state)
 {
     (void)state;
@@ -500,6 +517,7 @@ int main(void)
         cmocka_unit_test(a_rotated_set_has_rotated_matrices_and_centres),
         cmocka_unit_test(a_cloud_has_the_sums_by_definition),
         cmocka_unit_test(few_neighbours_give_small_spheres),
+        cmocka_unit_test(nothing_is_longer_than_k_max),
         cmocka_unit_test(degenerate_neighbourhoods_have_finite_shapes),
         cmocka_unit_test(lambda_moves_centres_and_nothing_else),
         cmocka_unit_test(the_bits_are_the_same_for_any_number_of_threads),

@@ -332,6 +332,22 @@ static void length_and_tension_scale_the_number(void **state)
     assert_true(is_foam(&params, 2.386) && !is_foam(&params, 2.384));
 }
 
+/* As the listings compare: foam begins where the number equals the threshold, and ends below it. */
+static void a_number_that_equals_the_threshold_is_foam(void **state)
+{
+    (void)state;
+    const uint32_t id = 7;
+    ssfr_weber_params params = started_as_water();
+    ssfr_particles *p = frame(1, &id, &fast);
+    assert_int_equal(ssfr_weber_threshold(p, NULL, 1, &params.threshold), SSFR_OK);
+    ssfr_particles_destroy(&p);
+    ssfr_weber *weber = create(&params, 2385);
+    assert_int_equal(step_one(weber, 7, fast, 0.1).phase, SSFR_PHASE_WATER_TO_FOAM);
+    assert_int_equal(step_one(weber, 7, fast, 1).phase, SSFR_PHASE_FOAM);
+    assert_int_equal(step_one(weber, 7, fast, 1).phase, SSFR_PHASE_FOAM);
+    ssfr_weber_destroy(&weber);
+}
+
 static void extreme_thresholds_and_velocities_have_a_phase(void **state)
 {
     (void)state;
@@ -431,6 +447,8 @@ static void a_threshold_is_found_for_a_share_of_foam(void **state)
         assert_int_equal(ssfr_weber_threshold(p, NULL, shares[s], &threshold), SSFR_OK);
         assert_close(share_of_foam(p, threshold), shares[s], 1e-9, 0);
     }
+    assert_int_equal(ssfr_weber_threshold(p, NULL, 300.6 / N, &threshold), SSFR_OK);
+    assert_close(share_of_foam(p, threshold), 301.0 / N, 1e-9, 0); /* rounded */
     ssfr_weber_params params = ssfr_weber_defaults();
     double scaled = 0;
     params.length = 0.5;
@@ -671,6 +689,7 @@ int main(void)
         cmocka_unit_test(order_and_threads_change_no_bit),
         cmocka_unit_test(random_times_are_uniform_and_independent),
         cmocka_unit_test(length_and_tension_scale_the_number),
+        cmocka_unit_test(a_number_that_equals_the_threshold_is_foam),
         cmocka_unit_test(extreme_thresholds_and_velocities_have_a_phase),
         cmocka_unit_test(no_time_between_frames_changes_no_value),
         cmocka_unit_test(fades_may_take_no_time_at_all),

@@ -158,6 +158,10 @@ static void a_single_point_is_found_from_a_cell_away_and_not_from_further(void *
     assert_int_equal(list(grid, (float[3]){NAN, -1.117f, 0.25f}, &listed, 1), 0);
     assert_int_equal(list(grid, (float[3]){1e30f, -1.117f, 0.25f}, &listed, 1), 0);
     ssfr_grid_destroy(&grid);
+    points[0] = 1048575.5f; /* in the last cell that there is */
+    grid = build(1, 1);
+    assert_int_equal(list(grid, (float[3]){1048576.25f, -1.117f, 0.25f}, &listed, 1), 1);
+    ssfr_grid_destroy(&grid);
 }
 
 static void an_empty_grid_lists_nothing(void **state)

@@ -54,7 +54,10 @@ static void solids_are_known_within_the_support_and_infinite_beyond(void **state
     double normal[3];
     assert_close(ssfr_walls_distance(&walls, 0, (double[3]){0.1, 0.2, 0.62}, normal), 0.07, 1e-12, 0);
     assert_at(normal, 0, 0, 1);
+    assert_close(ssfr_walls_distance(&walls, 0, (double[3]){0.1, 0.2, -0.02}, normal), 0.07, 1e-12, 0);
+    assert_at(normal, 0, 0, -1);
     assert_true(isinf(ssfr_walls_distance(&walls, 0, (double[3]){0.1, 0.2, 0.6501}, normal)));
+    assert_true(isinf(ssfr_walls_distance(&walls, 0, (double[3]){0.1, 0.2, -0.0501}, normal)));
 }
 
 /* Against the volume of a cap from counting. */
@@ -109,6 +112,51 @@ static void a_path_slides_along_the_face_that_it_enters(void **state)
     assert_at(v, 1.5, 0, 0.75);
 }
 
+/* The velocity goes with the face that was met, whatever is nearest in the end. */
+static void a_path_that_slides_off_an_edge_is_not_drawn_back(void **state)
+{
+    (void)state;
+    ssfr_solid block = make_solid(SSFR_BOX, 0, 0, 0, 0.1);
+    const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    memcpy(block.axis, axes, sizeof axes);
+    const ssfr_obstacle obstacle = still(block, 0);
+    const ssfr_walls walls = make_walls(&nowhere, 0.05, 1, &obstacle);
+    double at[3] = {0.15, 0, 0.01}, v[3] = {2, -3, 0.5};
+    ssfr_walls_keep(&walls, (double[3]){0.05, 0.15, 0.01}, at, v);
+    assert_at(at, 0.15, 0.1, 0.01);
+    assert_at(v, 2, 0, 0.5);
+}
+
+static void a_ball_that_is_met_turns_the_velocity_where_it_is_met(void **state)
+{
+    (void)state;
+    const ssfr_obstacle ball = still(make_solid(SSFR_SPHERE, 0, 0, 0, 0.1), 0);
+    const ssfr_walls walls = make_walls(&nowhere, 0.05, 1, &ball);
+    double at[3] = {0.06, -0.04, 0}, v[3] = {0, -3, 0}, normal[3]; /* down, to the place (0.06, 0.08, 0) */
+    ssfr_walls_keep(&walls, (double[3]){0.06, 0.15, 0}, at, v);
+    assert_at(v, 3 * 0.8 * 0.6, -3 + 3 * 0.8 * 0.8, 0);
+    assert_true(ssfr_walls_distance(&walls, 0, at, normal) >= -1e-12);
+}
+
+static void in_a_wedge_what_one_wall_pushes_into_the_other_comes_out_of_both(void **state)
+{
+    (void)state;
+    const double tilt = 80 * M_PI / 180; /* between the planes */
+    ssfr_obstacle planes[2] = {still(make_solid(SSFR_PLANE, 0, 0, 0, 1), 0), still(make_solid(SSFR_PLANE, 0, 0, 0, 1), 0)};
+    const double normals[2][3] = {{0, 1, 0}, {sin(tilt), -cos(tilt), 0}};
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 3; k++) planes[i].before.axis[1][k] = planes[i].now.axis[1][k] = normals[i][k];
+    for (int i = 0; i < 2; i++) {
+        const double along[3] = {normals[i][1], -normals[i][0], 0};
+        memcpy(planes[i].now.axis[0], along, sizeof along);
+        planes[i].before = planes[i].now;
+    }
+    const ssfr_walls walls = make_walls(&nowhere, 0.05, 2, planes);
+    double at[3] = {-0.01, -0.01, 0}, v[3] = {0}, normal[3];
+    ssfr_walls_keep(&walls, (double[3]){-0.01, -0.01, 0}, at, v);
+    for (int i = 0; i < 2; i++) assert_true(ssfr_walls_distance(&walls, i, at, normal) >= -1e-7);
+}
+
 static void nothing_passes_through_a_plate_thinner_than_its_step(void **state)
 {
     (void)state;
@@ -148,6 +196,22 @@ static void a_solid_that_comes_takes_along_what_stands_in_its_way(void **state)
     assert_at(local, 0.1, 0.03, 0.02);
     assert_close(ssfr_dot(v, obstacle.now.axis[0]), 0.3 / DT, 1e-9, 0);
     assert_close(ssfr_dot(v, obstacle.now.axis[1]), 0, 1e-9, 0);
+}
+
+/* Half a metre in a step, so that nowhere but in between it is near. */
+static void a_solid_that_jumps_over_a_particle_takes_it_along(void **state)
+{
+    (void)state;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        ssfr_obstacle obstacle = still(make_solid(SSFR_SPHERE, 0.25 * sign, 0, 0, 0.1), 0);
+        obstacle.before.centre[0] = -0.25 * sign;
+        const ssfr_walls walls = make_walls(&nowhere, 0.05, 1, &obstacle);
+        double at[3] = {0}, v[3] = {0}, normal[3];
+        ssfr_walls_keep(&walls, (double[3]){0}, at, v);
+        assert_true(ssfr_walls_distance(&walls, 0, at, normal) >= -1e-12);
+        assert_close(at[0], 0.35 * sign, 1e-9, 0);
+        assert_close(v[0], 0.5 * sign / DT, 1e-9, 0);
+    }
 }
 
 static void a_solid_that_goes_away_pulls_nothing(void **state)
@@ -194,8 +258,12 @@ int main(void)
         cmocka_unit_test(the_free_share_is_the_ball_without_its_cap),
         cmocka_unit_test(what_goes_through_a_side_stays_on_it_and_keeps_the_rest_of_its_velocity),
         cmocka_unit_test(a_path_slides_along_the_face_that_it_enters),
+        cmocka_unit_test(a_path_that_slides_off_an_edge_is_not_drawn_back),
+        cmocka_unit_test(a_ball_that_is_met_turns_the_velocity_where_it_is_met),
+        cmocka_unit_test(in_a_wedge_what_one_wall_pushes_into_the_other_comes_out_of_both),
         cmocka_unit_test(nothing_passes_through_a_plate_thinner_than_its_step),
         cmocka_unit_test(a_solid_that_comes_takes_along_what_stands_in_its_way),
+        cmocka_unit_test(a_solid_that_jumps_over_a_particle_takes_it_along),
         cmocka_unit_test(a_solid_that_goes_away_pulls_nothing),
         cmocka_unit_test(what_is_inside_comes_out_also_between_two_solids),
         cmocka_unit_test(too_many_obstacles_are_refused),

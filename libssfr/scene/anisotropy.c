@@ -136,8 +136,8 @@ static void shape_of(const ssfr_anisotropy_params *p, const spread *s, float sha
 {
     static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const double even = 3.0 / 20; /* an eigenvalue amid fluid, in squared search radii */
-    const double least = fmin(p->k_n / p->k_r, p->k_max); /* clusters shrink to no point */
-    double values[3], vectors[3][3], axes[3] = {p->k_n, p->k_n, p->k_n};
+    const double few = fmin(p->k_n, p->k_max), least = few / p->k_r; /* clusters shrink to no point */
+    double values[3], vectors[3][3], axes[3] = {few, few, few};
     if (s->n <= (size_t)p->n_eps) {
         compose(axes, unit, shape);
         return;
