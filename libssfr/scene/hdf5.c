@@ -285,8 +285,9 @@ static ssfr_result check_dataset(const source *s, hid_t dataset, const char *nam
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: %llu particles do not fit into a file of %zu bytes", path, name,
                            (unsigned long long)dims[0], s->size);
     } else if (!chunks_fit(s, dataset, H5Sget_simple_extent_ndims(space), dims)) {
-        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: %s: the deflated values are damaged, or their chunks larger than the dataset",
-                           path, name);
+        result = ssfr_fail(SSFR_ERR_FORMAT,
+                           "%s: %s: the deflated values are damaged, or their chunks larger than the dataset", path,
+                           name);
     }
     *n = (size_t)dims[0];
     drop(type);
