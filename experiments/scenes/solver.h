@@ -9,7 +9,7 @@
 #include "experiments/scenes/fluid.h"
 
 /* Grows whenever the same scene would give other bits: frames made before are then made anew. */
-enum { SSFR_SOLVER_VERSION = 3 };
+enum { SSFR_SOLVER_VERSION = 4 };
 
 typedef struct ssfr_solver_params {
     double max_step;      /* s, the longest step */

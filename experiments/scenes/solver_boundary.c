@@ -57,6 +57,7 @@ typedef struct finding {
     double reach;   /* m, from which a surface is not felt */
     double closest; /* m */
     double rate;    /* m, that a particle found too close is moved away, a step; 0 outside of a step */
+    ssfr_lanes x, moved; /* m, of the particle; x becomes the place that it is moved away to */
     int n;
     ssfr_contact found[SSFR_MAX_CONTACTS];
     double distance[SSFR_MAX_CONTACTS];
@@ -88,17 +89,17 @@ static double make_room(const finding *f, double begin, double *keep)
     return shift;
 }
 
-/* Walls around the place where particle i is going. */
-static void find_walls(finding *f, ssfr_solver *solver, size_t i)
+/* Walls around the place where the particle is going. */
+static void find_walls(finding *f, const ssfr_solver *solver)
 {
     for (int k = 0; k < 3; k++)
         for (int side = 0; side < 2; side++) {
             const double wall = side ? solver->hi[k] : solver->lo[k], out = side ? -1 : 1;
             if (solver->setup.open[2 * k + side]) continue;
             double keep;
-            const double shift = make_room(f, out * ((double)solver->x[i][k] - wall), &keep);
-            if (shift > 0) solver->x[i][k] = (float)((double)solver->x[i][k] + out * shift);
-            const double distance = out * ((double)solver->x[i][k] + (double)solver->moved[i][k] - wall);
+            const double shift = make_room(f, out * ((double)f->x[k] - wall), &keep);
+            if (shift > 0) f->x[k] = (float)((double)f->x[k] + out * shift);
+            const double distance = out * ((double)f->x[k] + (double)f->moved[k] - wall);
             if (distance >= f->reach) continue;
             double normal[3] = {0}, on[3] = {0};
             normal[k] = out;
@@ -112,21 +113,22 @@ static void shift_by(double at[3], double distance, const double normal[3])
     for (int k = 0; k < 3; k++) at[k] += distance * normal[k];
 }
 
-/* The contact with an obstacle near which particle i goes. Solids move; in the frame of the solid at the step's end the
- * particle goes from where the solid has carried its place to where it is predicted, and is stopped where it enters. */
-static void find_obstacle(finding *f, ssfr_solver *solver, size_t i, int o)
+/* The contact with an obstacle near which the particle goes. Solids move; in the frame of the solid at the step's end
+ * the particle goes from where the solid has carried its place to where it is predicted, and is stopped where it
+ * enters. */
+static void find_obstacle(finding *f, int o)
 {
     const ssfr_solid *solid = &f->obstacles[o].obstacle->now;
     double from[3], to[3], path[3], normal[3], enter[3], on[3], keep = f->closest;
-    widen(solver->x[i], from);
-    widen(solver->x[i] + solver->moved[i], to);
+    widen(f->x, from);
+    widen(f->x + f->moved, to);
     if (!f->obstacles[o].still) carry(f->obstacles[o].obstacle, from, from);
     for (int k = 0; k < 3; k++) path[k] = to[k] - from[k];
     double distance = ssfr_solid_distance(solid, to, normal), t = -1;
     if (distance < sqrt(ssfr_dot(path, path)) + f->closest) { /* it may have come through the surface, or begun there */
         const double shift = make_room(f, ssfr_solid_distance(solid, from, enter), &keep);
         if (shift > 0) {
-            for (int k = 0; k < 3; k++) solver->x[i][k] += (float)(shift * enter[k]);
+            for (int k = 0; k < 3; k++) f->x[k] += (float)(shift * enter[k]);
             shift_by(from, shift, enter);
             shift_by(to, shift, enter);
             distance = ssfr_solid_distance(solid, to, normal);
@@ -175,6 +177,7 @@ static uint64_t obstacles_near(const finding *f, const ssfr_solver *solver, ssfr
     return near;
 }
 
+/* Places that particles are moved to go to `at`: x stays, for a second attempt to begin with. */
 static void find_in_cell(ssfr_solver *solver, const finding *all, size_t cell, size_t *used)
 {
     const ssfr_grid_range members = ssfr_grid_cell_at(solver->grid, cell);
@@ -182,9 +185,12 @@ static void find_in_cell(ssfr_solver *solver, const finding *all, size_t cell, s
     for (size_t i = members.begin; i < members.end; i++) {
         finding f = *all;
         size_t begin;
-        find_walls(&f, solver, i);
+        f.x = solver->x[i];
+        f.moved = solver->moved[i];
+        find_walls(&f, solver);
         for (int o = 0; o < f.n_obstacles && near; o++)
-            if (near >> o & 1) find_obstacle(&f, solver, i, o);
+            if (near >> o & 1) find_obstacle(&f, o);
+        solver->at[i] = f.x;
         solver->labels[i].n_contacts = (uint8_t)f.n;
         if (!f.n) continue;
 #pragma omp atomic capture
@@ -220,6 +226,8 @@ ssfr_result ssfr_solver_find_contacts(ssfr_solver *solver, bool in_step, int n_o
         SSFR_TRY(ssfr_alloc(&solver->contacts, used + used / 8, sizeof *solver->contacts, "contacts"));
         solver->contacts_capacity = used + used / 8;
     }
+    ssfr_lanes *const x = solver->x;
+    solver->x = solver->at, solver->at = x;
 end:
     return result;
 }

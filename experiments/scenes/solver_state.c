@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* solver_state.c: the solver's particles: adding, removing, sorting, packing, writing and reading. */
+#include "experiments/hash.h"
 #include "experiments/scenes/solver_internal.h"
+
+#include "base/param.h"
 
 #include <sys/stat.h>
 
@@ -263,7 +266,7 @@ static const char magic[8] = "ssfrpbf";
 typedef struct header {
     char magic[8];
     uint32_t version, next_id;
-    uint64_t n;
+    uint64_t n, setup; /* particles; hash of the setup */
     double radius, time, felt_step;
 } header;
 
@@ -274,10 +277,25 @@ typedef struct record { /* of a particle, in the solver's order */
     float density;
 } record;
 
+/* Of all that the bits of a step depend on but the radius, which is named when it differs. */
+static uint64_t hash_setup(const ssfr_solver_setup *s)
+{
+    uint64_t hash = ssfr_hash_bytes(SSFR_HASH, s->gravity, sizeof s->gravity);
+    hash = ssfr_hash_bytes(hash, s->lo, sizeof s->lo);
+    hash = ssfr_hash_bytes(hash, s->hi, sizeof s->hi);
+    hash = ssfr_hash_bytes(hash, s->open, sizeof s->open);
+    for (const ssfr_param *row = ssfr_solver_rows; row->name; row++) {
+        const double value = ssfr_param_number(row, &s->params);
+        hash = ssfr_hash_bytes(hash, &value, sizeof value);
+    }
+    return hash;
+}
+
 ssfr_result ssfr_solver_write(const ssfr_solver *solver, FILE *file)
 {
     header h = {.version = SSFR_SOLVER_VERSION, .next_id = solver->next_id, .n = solver->n,
-                .radius = solver->setup.radius, .time = solver->time, .felt_step = solver->felt_step};
+                .setup = hash_setup(&solver->setup), .radius = solver->setup.radius, .time = solver->time,
+                .felt_step = solver->felt_step};
     ssfr_result result = settle(solver);
     if (result != SSFR_OK) return result;
     memcpy(h.magic, magic, sizeof magic);
@@ -308,6 +326,8 @@ static ssfr_result read_header(const ssfr_solver *solver, FILE *file, header *h)
     if (h->radius != solver->setup.radius || h->n > solver->setup.max_particles)
         return ssfr_fail(SSFR_ERR_FORMAT, "solver: a state of %ju particles of radius %g m, not of this setup",
                          (uintmax_t)h->n, h->radius);
+    if (h->setup != hash_setup(&solver->setup))
+        return ssfr_fail(SSFR_ERR_FORMAT, "solver: a state of another domain, gravity or parameters");
     if (!(h->time >= 0 && isfinite(h->time) && h->felt_step >= 0 && isfinite(h->felt_step)))
         return ssfr_fail(SSFR_ERR_FORMAT, "solver: a state after %g s with steps of %g s", h->time, h->felt_step);
     if (!holds(file, h->n))
