@@ -457,7 +457,8 @@ static void births_of_any_direction_have_numbers_of_their_own(void **state)
         place(w, i, from);
         for (int k = 0; k < 3; k++) d[k] = all[e].at[k] - from[k];
         const double along = ssfr_dot(d, way);
-        for (int k = 0; k < 3; k++) assert_close(all[e].velocity[k], sign * 1.3 * way[k] + d[k] - along * way[k], 1e-6, 0);
+        for (int k = 0; k < 3; k++)
+            assert_close(all[e].velocity[k], sign * 1.3 * way[k] + d[k] - along * way[k], 1e-6, 0);
         r[e] = (ssfr_dot(d, d) - along * along) / (R * R), back[e] = -sign * along / (1.3 * DT); /* uniform in [0, 1) */
         assert_true(r[e] < 1 + 1e-5 && back[e] > -1e-4 && back[e] < 1 + 1e-4);
         mean[0] += r[e] / (double)n, mean[1] += back[e] / (double)n;

@@ -57,7 +57,8 @@ static void the_kernel_of_a_unit_volume_adds_up_to_one(void **state)
 static void the_slope_is_the_derivative_and_no_weaker_within_a_third(void **state)
 {
     (void)state;
-    const double step = 1e-5 * support, steepest = (spline(support / 3 + step) - spline(support / 3 - step)) / (2 * step);
+    const double step = 1e-5 * support;
+    const double steepest = (spline(support / 3 + step) - spline(support / 3 - step)) / (2 * step);
     for (int i = 1; i < 200; i++) {
         const double r = i * support / 200;
         const double derivative = (spline(r + step) - spline(r - step)) / (2 * step);

@@ -142,14 +142,13 @@ static void in_a_wedge_what_one_wall_pushes_into_the_other_comes_out_of_both(voi
 {
     (void)state;
     const double tilt = 80 * M_PI / 180; /* between the planes */
-    ssfr_obstacle planes[2] = {still(make_solid(SSFR_PLANE, 0, 0, 0, 1), 0), still(make_solid(SSFR_PLANE, 0, 0, 0, 1), 0)};
     const double normals[2][3] = {{0, 1, 0}, {sin(tilt), -cos(tilt), 0}};
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 3; k++) planes[i].before.axis[1][k] = planes[i].now.axis[1][k] = normals[i][k];
+    ssfr_obstacle planes[2];
     for (int i = 0; i < 2; i++) {
-        const double along[3] = {normals[i][1], -normals[i][0], 0};
-        memcpy(planes[i].now.axis[0], along, sizeof along);
-        planes[i].before = planes[i].now;
+        const double *n = normals[i], axes[3][3] = {{n[1], -n[0], 0}, {n[0], n[1], 0}, {0, 0, 1}};
+        ssfr_solid plane = make_solid(SSFR_PLANE, 0, 0, 0, 1);
+        memcpy(plane.axis, axes, sizeof axes);
+        planes[i] = still(plane, 0);
     }
     const ssfr_walls walls = make_walls(&nowhere, 0.05, 2, planes);
     double at[3] = {-0.01, -0.01, 0}, v[3] = {0}, normal[3];

@@ -45,8 +45,8 @@ const ssfr_param ssfr_foam_rows[] = {
 
 #define ENERGY_RADIUS 0.02 /* m, of the particle whose energy the limits mean */
 
-/* As the columns of a double dam break meet, 5 % of its particles are above trapped_air_min when their radius is 0.02 m and
- * 28 % when it is 0.05 m; with a limit in proportion 4 % are. Those of the energy follow the mass by themselves. */
+/* As the columns of a double dam break meet, 5 % of its particles are above trapped_air_min when their radius is 0.02 m
+ * and 28 % when it is 0.05 m; with a limit in proportion 4 % are. Those of the energy follow the mass by themselves. */
 void ssfr_foam_params_coarsen(ssfr_foam_params *params, double scale)
 {
     params->trapped_air_min = fmin(scale * params->trapped_air_min, AIR_MOST);
