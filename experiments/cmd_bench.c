@@ -36,6 +36,13 @@ typedef struct bench {
     ssfr_csv *csv;                /* NULL without -o */
 } bench;
 
+/* As ssfr render does. */
+static ssfr_result import_background(const bench *b)
+{
+    const ssfr_description *scene = b->stage->description;
+    return ssfr_setup_background(b->setup.graph, scene ? scene->background : NULL, &b->stage->scene.camera);
+}
+
 static ssfr_result measure(bench *b, const bench_options *options)
 {
     ssfr_result result = SSFR_OK;
@@ -252,6 +259,7 @@ int ssfr_cmd_bench(int argc, char **argv)
     SSFR_TRY(ssfr_setup_init(&b.setup, &setup_options, NULL));
     SSFR_TRY(ssfr_stage_create(&b.stage, options.scene, &stage_options));
     SSFR_TRY(ssfr_setup_scene(&b.setup, &setup_options, b.stage->description));
+    SSFR_TRY(import_background(&b));
     if (options.output) SSFR_TRY(open_csv(&b, options.output));
     SSFR_TRY(measure(&b, &options));
     SSFR_TRY(print(&b));

@@ -20,7 +20,8 @@ typedef struct check_options {
 #define ROW(...) SSFR_OPTION(check_options, __VA_ARGS__)
 static const ssfr_option rows[] = {
     ROW(scenes, "scene", 0, LIST, "SCENE",
-        "compare on this scene; can be repeated (default: sphere, plane, block, splash)", 0, 0),
+        "compare on this scene, with the settings of --set alone; can be repeated (default: sphere, plane, block, "
+        "splash)", 0, 0),
     ROW(settings, "set", 's', LIST, "KEY=VALUE",
         "a parameter, as pass.param, or param when a PASS is named; can be repeated", 0, 0),
     ROW(corners, "corners", 0, FLAG, NULL,

@@ -52,27 +52,13 @@ end:
 
 /* ---- a frame ----------------------------------------------------------------------------------------------------- */
 
-/* The user's image of the scene takes the place of the pipeline's own. */
-static ssfr_result import(ssfr_graph *graph, const char *path, const char *slot, const ssfr_camera *camera)
-{
-    ssfr_field *field = NULL;
-    ssfr_result result = ssfr_exr_load(path, ssfr_slot_channels(slot), &field);
-    if (result == SSFR_OK && (field->w != camera->w || field->h != camera->h))
-        result = ssfr_fail(SSFR_ERR_VALUE, "%s: %dx%d pixels, the image has %dx%d: add --size %dx%d", path, field->w,
-                           field->h, camera->w, camera->h, field->w, field->h);
-    if (result == SSFR_OK) result = ssfr_graph_import(graph, slot, field);
-    ssfr_field_destroy(&field);
-    return result;
-}
-
 static ssfr_result prepare(const render *r)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_description *d = r->stage->description;
     const char *background = r->o->background ? r->o->background : d ? d->background : NULL;
     const ssfr_output_kind kind = r->o->output ? ssfr_output_kind_of(r->o->output) : SSFR_OUTPUT_OTHER;
-    if (background) SSFR_TRY(import(r->setup.graph, background, "scene_color", &r->stage->scene.camera));
-    if (background) SSFR_TRY(import(r->setup.graph, background, "scene_depth", &r->stage->scene.camera));
+    SSFR_TRY(ssfr_setup_background(r->setup.graph, background, &r->stage->scene.camera));
     if (kind == SSFR_OUTPUT_EXR) SSFR_TRY(ssfr_frame_want(&r->setup));
     if (r->o->dump) ssfr_graph_want_all(r->setup.graph, true);
 end:

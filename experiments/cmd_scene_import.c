@@ -89,6 +89,7 @@ static ssfr_result check(const import_words *words)
     char *first = NULL;
     if (!words->output) return ssfr_fail(SSFR_ERR_VALUE, "nothing to write: give -o FILE");
     if (ssfr_sequence_is(words->output)) SSFR_TRY(ssfr_sequence_path(words->output, 0, &first));
+    SSFR_TRY(ssfr_particles_check_name(words->output));
     SSFR_TRY(ssfr_output_check_file(first ? first : words->output));
 end:
     free(first);

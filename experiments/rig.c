@@ -21,7 +21,7 @@ struct ssfr_rig {
     ssfr_stage *stage;
     size_t scene; /* value that the stage shows */
     bool staged;
-    bool dressed; /* the graphs have settings of a scene */
+    bool dressed; /* the graphs have settings or a background of a scene */
     cached twin, of_reference;
     ssfr_shot shot;
 };
@@ -190,12 +190,18 @@ const ssfr_graph *ssfr_rig_graph(const ssfr_rig *rig)
 /* What one scene has set must not stay for the next. */
 static ssfr_result dress(ssfr_rig *rig)
 {
+    ssfr_result result = SSFR_OK;
     const ssfr_description *scene = rig->stage->description;
-    const bool has = scene && scene->n_settings > 0;
+    const char *background = scene ? scene->background : NULL;
+    const bool has = background || (scene && scene->n_settings > 0);
     if (!has && !rig->dressed) return SSFR_OK;
     rig->dressed = true;
-    const ssfr_result result = new_graphs(rig, scene);
-    if (result == SSFR_OK) rig->dressed = has;
+    SSFR_TRY(new_graphs(rig, scene));
+    ssfr_graph *const graphs[] = {rig->gl, rig->cpu, rig->reference};
+    for (size_t i = 0; i < SSFR_COUNT(graphs); i++)
+        if (graphs[i]) SSFR_TRY(ssfr_setup_background(graphs[i], background, &rig->stage->scene.camera));
+    rig->dressed = has;
+end:
     return result;
 }
 

@@ -119,6 +119,29 @@ end:
     return result;
 }
 
+/* The user's image of the scene takes the place of the pipeline's own. */
+static ssfr_result import(ssfr_graph *graph, const char *path, const char *slot, const ssfr_camera *camera)
+{
+    ssfr_field *field = NULL;
+    ssfr_result result = ssfr_exr_load(path, ssfr_slot_channels(slot), &field);
+    if (result == SSFR_OK && (field->w != camera->w || field->h != camera->h))
+        result = ssfr_fail(SSFR_ERR_VALUE, "%s: %dx%d pixels, the image has %dx%d: add --size %dx%d", path, field->w,
+                           field->h, camera->w, camera->h, field->w, field->h);
+    if (result == SSFR_OK) result = ssfr_graph_import(graph, slot, field);
+    ssfr_field_destroy(&field);
+    return result;
+}
+
+ssfr_result ssfr_setup_background(ssfr_graph *graph, const char *path, const ssfr_camera *camera)
+{
+    ssfr_result result = SSFR_OK;
+    if (!path) return SSFR_OK;
+    SSFR_TRY(import(graph, path, "scene_color", camera));
+    SSFR_TRY(import(graph, path, "scene_depth", camera));
+end:
+    return result;
+}
+
 void ssfr_setup_finish(ssfr_setup *setup)
 {
     ssfr_graph_destroy(&setup->graph);

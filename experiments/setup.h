@@ -36,6 +36,9 @@ SSFR_MUST ssfr_result ssfr_setup_init(ssfr_setup *setup, const ssfr_setup_option
 /* The settings of the scene, and then again those of the options, which count for more. description may be NULL. */
 SSFR_MUST ssfr_result ssfr_setup_scene(ssfr_setup *setup, const ssfr_setup_options *options,
                                        const ssfr_description *description);
+/* Puts an EXR with R,G,B and Z of the camera's size in the place of what the pipeline draws of the scene. path NULL:
+ * nothing. */
+SSFR_MUST ssfr_result ssfr_setup_background(ssfr_graph *graph, const char *path, const ssfr_camera *camera);
 void ssfr_setup_finish(ssfr_setup *setup);
 
 #endif

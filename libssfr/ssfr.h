@@ -179,6 +179,8 @@ SSFR_API SSFR_MUST ssfr_result ssfr_particles_load(ssfr_particles **out, const c
 
 /* Writes a particle file, aside and renamed when complete. */
 SSFR_API SSFR_MUST ssfr_result ssfr_particles_save(const ssfr_particles *particles, const char *path);
+/* Fails as ssfr_particles_save does where the name's ending is not one that is written: before long work. */
+SSFR_API SSFR_MUST ssfr_result ssfr_particles_check_name(const char *path);
 
 /* Half the median distance to the nearest other particle, from at most 512 samples, m; 0 for fewer than two. */
 SSFR_API double ssfr_particles_spacing(const ssfr_particles *particles);

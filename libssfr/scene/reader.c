@@ -482,16 +482,25 @@ static ssfr_result tell_losses(const ssfr_particles *set, const format *format, 
     return format->holds & SSFR_HOLDS_DOUBLES ? SSFR_OK : check_floats(set, path);
 }
 
+static ssfr_result find_written(const char *path, const format **out)
+{
+    const ssfr_result result = find_format(path, out);
+    if (result != SSFR_OK || (*out)->write) return result;
+    return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: %s files are read but not written", path, (*out)->ending);
+}
+
+ssfr_result ssfr_particles_check_name(const char *path)
+{
+    const format *format;
+    return find_written(path, &format);
+}
+
 ssfr_result ssfr_particles_save(const ssfr_particles *particles, const char *path)
 {
     ssfr_result result = SSFR_OK;
     const format *format = NULL;
     ssfr_plain plain = ssfr_plain_begin();
-    SSFR_TRY(find_format(path, &format));
-    if (!format->write) {
-        result = ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: %s files are read but not written", path, format->ending);
-        goto end;
-    }
+    SSFR_TRY(find_written(path, &format));
     SSFR_TRY(tell_losses(particles, format, path));
     SSFR_TRY(format->write(particles, path));
 end:
