@@ -167,14 +167,15 @@ end:
 /* The frame to look at: information makes none. */
 static ssfr_result choose_made(const ssfr_stage *stage, const ssfr_stage_options *options, int n_made, long *frame)
 {
+    ssfr_result result = SSFR_OK;
     const bool asked = options->frame >= 0 || !isnan(options->time);
     *frame = n_made - 1;
-    if (!isnan(options->time)) *frame = lround(options->time * stage->description->frame_rate);
-    if (options->frame >= 0) *frame = options->frame;
+    if (asked) SSFR_TRY(ssfr_stage_find_frame(stage, options, frame));
     if (asked && *frame >= n_made)
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: frame %ld is not made: %d of %d frames are", stage->name, *frame, n_made,
-                         stage->description->n_frames);
-    return SSFR_OK;
+        result = ssfr_fail(SSFR_ERR_VALUE, "%s: frame %ld is not made: %d of %d frames are", stage->name, *frame,
+                           n_made, stage->description->n_frames);
+end:
+    return result;
 }
 
 static ssfr_result describe(const char *scene, const ssfr_stage_options *options)

@@ -15,14 +15,21 @@ static void note(int number)
     came = 1;
 }
 
-void ssfr_interrupt_begin(void)
+/* What is ignored stays so: under nohup, and in the background of a script, it is meant for others. */
+static void listen_to(int number, struct sigaction *before)
 {
     struct sigaction action = {.sa_handler = note, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
-    if (depth++ > 0) return;
     sigemptyset(&action.sa_mask);
+    sigaction(number, NULL, before);
+    if ((before->sa_flags & SA_SIGINFO) || before->sa_handler != SIG_IGN) sigaction(number, &action, NULL);
+}
+
+void ssfr_interrupt_begin(void)
+{
+    if (depth++ > 0) return;
     came = 0;
-    sigaction(SIGINT, &action, &before_int);
-    sigaction(SIGTERM, &action, &before_term);
+    listen_to(SIGINT, &before_int);
+    listen_to(SIGTERM, &before_term);
 }
 
 void ssfr_interrupt_end(void)

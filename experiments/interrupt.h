@@ -5,7 +5,8 @@
 
 #include <stdbool.h>
 
-/* From here on the first signal is only noted; the second ends the process. Such work may be part of such work. */
+/* From here on the first signal is only noted; the second ends the process. One that was ignored stays ignored. Such
+ * work may be part of such work. */
 void ssfr_interrupt_begin(void);
 /* What a signal did before. */
 void ssfr_interrupt_end(void);

@@ -103,8 +103,7 @@ static ssfr_result frame_at(const ssfr_stage *stage, double time, long *frame)
     return SSFR_OK;
 }
 
-/* The frame that the options name; one that is not there is refused. */
-static ssfr_result find_frame(const ssfr_stage *stage, const ssfr_stage_options *options, long *frame)
+ssfr_result ssfr_stage_find_frame(const ssfr_stage *stage, const ssfr_stage_options *options, long *frame)
 {
     ssfr_result result = SSFR_OK;
     const size_t n = stage->n_frames;
@@ -218,7 +217,7 @@ ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options
 {
     ssfr_result result = SSFR_OK;
     ssfr_particles *fluid = NULL, *foam = NULL;
-    if (frame < 0) SSFR_TRY(find_frame(stage, options, &frame));
+    if (frame < 0) SSFR_TRY(ssfr_stage_find_frame(stage, options, &frame));
     SSFR_TRY(load_frame(stage, options, frame, &fluid, &foam));
     ssfr_particles_destroy(&stage->particles);
     ssfr_particles_destroy(&stage->foam);

@@ -61,6 +61,10 @@ SSFR_MUST ssfr_result ssfr_stage_create(ssfr_stage **out, const char *scene, con
 SSFR_MUST ssfr_result ssfr_stage_open(ssfr_stage **out, const char *scene, const ssfr_stage_options *options);
 void ssfr_stage_destroy(ssfr_stage **stage);
 
+/* The frame that the options name, or the one two thirds of the way; -1 for a scene of one picture. One that is not in
+ * `frames` is refused. */
+SSFR_MUST ssfr_result ssfr_stage_find_frame(const ssfr_stage *stage, const ssfr_stage_options *options, long *frame);
+
 /* Shows another frame, of those in `frames`; -1: that which the options name. */
 SSFR_MUST ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options, long frame);
 

@@ -513,18 +513,27 @@ static ssfr_result fail_no_param(const ssfr_yaml_node *map, const ssfr_yaml_node
     return fail_unknown(map, key, list);
 }
 
+ssfr_result ssfr_yaml_read_param(const ssfr_yaml_node *value, const char *name, const ssfr_param *param, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    char place[SSFR_YAML_PLACE], about[SSFR_YAML_PLACE + 200];
+    SSFR_TRY(ssfr_yaml_expect(value, SSFR_YAML_TEXT));
+    snprintf(about, sizeof about, "%s: %.160s", ssfr_yaml_place(value, place), name);
+    result = ssfr_param_set(param, to, about, value->text);
+end:
+    return result;
+}
+
 ssfr_result ssfr_yaml_read_params(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     ssfr_result result = SSFR_OK;
     SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
     for (size_t i = 0; i < node->n; i++) {
-        const ssfr_yaml_node *key = node->keys[i], *value = node->values[i];
-        const ssfr_param *param = ssfr_param_find(row->params, key->text);
-        char place[SSFR_YAML_PLACE], name[SSFR_YAML_PLACE + 200];
-        if (!param) return fail_no_param(node, key, row->params);
-        SSFR_TRY(ssfr_yaml_expect(value, SSFR_YAML_TEXT));
-        snprintf(name, sizeof name, "%s: %.80s.%s", ssfr_yaml_place(value, place), node->name, param->name);
-        SSFR_TRY(ssfr_param_set(param, to, name, value->text));
+        const ssfr_param *param = ssfr_param_find(row->params, node->keys[i]->text);
+        char name[160];
+        if (!param) return fail_no_param(node, node->keys[i], row->params);
+        snprintf(name, sizeof name, "%.80s.%s", node->name, param->name);
+        SSFR_TRY(ssfr_yaml_read_param(node->values[i], name, param, to));
     }
 end:
     return result;

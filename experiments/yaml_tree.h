@@ -54,6 +54,10 @@ const ssfr_yaml_node *ssfr_yaml_find(const ssfr_yaml_node *map, const char *name
 /* A new text of two, to free(). */
 SSFR_MUST ssfr_result ssfr_yaml_copy(char **out, const char *before, const char *text);
 
+/* Reads the value of one parameter into its struct; name is what errors call it. */
+SSFR_MUST ssfr_result ssfr_yaml_read_param(const ssfr_yaml_node *value, const char *name, const ssfr_param *param,
+                                           void *to);
+
 /* ---- rows: what a map may hold, and where it goes ---------------------------------------------------------------- */
 
 typedef struct ssfr_yaml_row ssfr_yaml_row;

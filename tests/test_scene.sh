@@ -99,6 +99,32 @@ that 'how much it is' [ "$(value 'on disk')" -eq \
     "$(find cache -name '*.h5' -exec cat {} + | wc -c)" ]
 that 'and the cameras' [ "$(grep -c '^camera	' out)" -eq 2 ]
 refuses 'a frame beyond the last' 'frame 9: there are frames 0 to 8' scene make $tiny --last 9
+refuses 'a frame and a time at once' '--frame and --time both' scene info $tiny --frame 1 --time 0.1
+refuses 'information on a frame that cannot be' 'there is no frame 9: they go from 0 to 8' scene info $tiny --frame 9
+cat >jet.yaml <<'END'
+title: What is left of a pressure of high power
+radius: 0.05
+particles: 400
+duration: 0.1
+domain: {lo: [-1, 0, -1], hi: [1, 1, 1]}
+solver: {pressure_k: 1, pressure_dq: 0.9, pressure_n: 16}
+fluid: {pool: {lo: [-0.9, 0.6, -0.9], hi: [0.9, 1, 0.9]}}
+END
+refuses 'a value that is not finite' 'jet.yaml, frame 1: particle ' scene make jet.yaml --scale full --cache jet
+that 'names the value' grep -q 'nan, .*nan' err
+that 'and leaves the frames before it' [ "$(n_frames jet)" -eq 1 ]
+cat >stone.yaml <<'END'
+title: A stone lies where water is to be
+radius: 0.05
+particles: 400
+duration: 0
+domain: {lo: [0, 0, 0], hi: [1, 1, 1]}
+solids: {stone: {shape: sphere, centre: [0.5, 0.5, 0.5], radius: 0.5}}
+fluid: {pool: {lo: [0, 0, 0], hi: [1, 0.5, 1], count: 400}}
+END
+accepts 'a pool that a solid takes room from' scene make stone.yaml --scale full --cache stone
+that 'is told in a line' grep -qx \
+    'ssfr scene: warning: stone.yaml: pool: solids leave room for [0-9]* of its 400 particles' err
 echo >file
 refuses 'a cache that cannot be' 'file/x: the folder cannot be made: Not a directory' scene make $tiny --cache file/x
 name='no cache at all'
@@ -148,6 +174,19 @@ that 'two at once both leave with 0' [ $? -eq 0 ]
 that 'the second waits, and says so' grep -q '^ssfr scene: warning: waiting for another process' err2
 that 'both have all frames' [ "$(cat out1 out2 | grep -c '9 of 9 frames')" -eq 2 ]
 that 'which are the same' same_frames both whole
+(trap '' INT; exec "$ssfr" scene make $slow --cache deaf) >out 2>err &
+child=$!
+wait_for 10 has_frames deaf 1
+kill -INT $child
+wait $child
+that 'a signal that was ignored stays so' [ $? -eq 0 ]
+echo half >"$(echo deaf/*)/fluid_0009.h5.1.part"
+find deaf -name fluid_0008.h5 -exec rm {} +
+accepts 'what a killed process left half-written' scene make $slow --cache deaf
+that 'is removed' [ -z "$(find deaf -name '*.part')" ]
+echo bad >"$(echo deaf/*)/fluid_0001.h5"
+accepts 'frames are made anew' scene make $slow --cache deaf --anew
+that 'all of them' same_frames deaf whole
 find both -name fluid_0003.h5 -exec rm {} +
 accepts 'a frame that was removed is made again' scene make $slow --cache both --last 3
 that 'the same' same_frames both whole
@@ -198,6 +237,11 @@ accepts 'a scene has a picture behind it' render behind.yaml --scale full -o beh
 accepts 'that is seen too' compare behind.exr two.exr --require 'max_abs>0'
 refuses 'of one size' 'sky.exr: 64x48 pixels, the image has 32x24: add --size 64x48' \
     render behind.yaml --scale full -o a.exr --size 32x24 --backend cpu --frame 2
+refuses 'in a bench too' 'sky.exr: 64x48 pixels' bench --scene behind.yaml --scale full --size 32x24 --backend cpu
+refuses 'and in a sweep' 'sky.exr: 64x48 pixels' sweep --scene behind.yaml --scale full --size 32x24 --backend cpu \
+    --max-time 0.05 --vary curvature_flow.iterations=1 -o b.csv
+accepts 'where it is of that size' bench --scene behind.yaml --scale full --frame 2 $small --max-time 0.05
+that 'it is taken' awk '$1 == "background" { found = /imported|given|from outside/ } END { exit !found }' out
 accepts 'the user may have another' render behind.yaml --scale full -o mine.exr $small --frame 2 --background two.exr
 accepts 'which counts for more' compare mine.exr behind.exr --require 'max_abs>0'
 accepts 'a sweep over a scene' sweep --scene tiny.yaml --scale full --frame 2 --size 32x24 --backend cpu \
@@ -252,6 +296,9 @@ for frame in 0 1 2 3; do
     that 'has the radius of all' [ "$(value radius)" = 0.5 ]
 done
 refuses 'a conversion into nowhere' 'nothing to write' scene import bare.ply
+refuses 'frames into a format that is none' 'x_%d.foo: the names of particle files end in' \
+    scene import $tiny -o 'x_%d.foo' --cache none
+that 'before any is made' [ ! -e none ]
 refuses 'into a format that is not written' 'full.xml' scene import bare.ply -o full.xml --radius 0.5
 refuses 'into a folder that is not there' 'no/a.h5: cannot be written' scene import bare.ply -o no/a.h5
 refuses 'of what is not there' 'none.ply: no such file' scene import none.ply -o a.h5

@@ -67,16 +67,22 @@ end:
     return result;
 }
 
+/* Room for a struct of parameters, as far as these rows reach. */
+static ssfr_result make_params(void *out, const ssfr_param *rows)
+{
+    size_t size = sizeof(double);
+    for (const ssfr_param *row = rows; row->name; row++)
+        if (row->offset + sizeof(double) > size) size = row->offset + sizeof(double);
+    return ssfr_alloc(out, 1, size, "parameters");
+}
+
 /* The parameters of a group, "light: {elevation_deg: 30}": checked here, set when a graph is there. */
 static ssfr_result read_group(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     ssfr_result result = SSFR_OK;
     char group[64];
     void *checked = NULL;
-    size_t size = sizeof(double);
-    for (const ssfr_param *param = row->params; param->name; param++)
-        if (param->offset + sizeof(double) > size) size = param->offset + sizeof(double);
-    SSFR_TRY(ssfr_alloc(&checked, 1, size, "parameters"));
+    SSFR_TRY(make_params(&checked, row->params));
     SSFR_TRY(ssfr_yaml_read_params(node, row, checked));
     snprintf(group, sizeof group, "%s.", row->name);
     for (size_t i = 0; i < node->n; i++) SSFR_TRY(add_setting(to, group, node->keys[i], node->values[i]));
@@ -85,7 +91,36 @@ end:
     return result;
 }
 
-/* "set: {curvature_flow.iterations: 20}": which there are is known when a pipeline is. */
+/* The rows of a pass, or of a group that all pipelines share; NULL when there is none of that name. */
+static const ssfr_param *find_rows(const char *name)
+{
+    const ssfr_pass *pass = ssfr_pass_find(name);
+    const ssfr_param *rows = NULL, *found = pass ? ssfr_pass_params(pass) : NULL;
+    for (int i = 0; !found && ssfr_group_at(i, &rows); i++)
+        if (strcmp(ssfr_group_at(i, &rows), name) == 0) found = rows;
+    return found;
+}
+
+/* A simulation of hours must not end in a setting that no pipeline has. */
+static ssfr_result check_setting(const ssfr_yaml_node *key, const ssfr_yaml_node *value)
+{
+    ssfr_result result = SSFR_OK;
+    const char *dot = strchr(key->text, '.');
+    char name[64];
+    void *checked = NULL;
+    snprintf(name, sizeof name, "%.*s", (int)(dot - key->text), key->text);
+    const ssfr_param *rows = find_rows(name), *param = rows ? ssfr_param_find(rows, dot + 1) : NULL;
+    if (!param)
+        return ssfr_yaml_fail(key, SSFR_ERR_UNKNOWN, "%.80s: no pass has this parameter ('ssfr passes' lists them)",
+                              key->text);
+    SSFR_TRY(make_params(&checked, rows));
+    result = ssfr_yaml_read_param(value, key->text, param, checked);
+end:
+    free(checked);
+    return result;
+}
+
+/* "set: {curvature_flow.iterations: 20}": of passes that the pipeline need not have. */
 static ssfr_result read_settings(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     ssfr_result result = SSFR_OK;
@@ -95,7 +130,7 @@ static ssfr_result read_settings(const ssfr_yaml_node *node, const ssfr_yaml_row
         if (!strchr(node->keys[i]->text, '.'))
             return ssfr_yaml_fail(node->keys[i], SSFR_ERR_FORMAT, "%.80s: expected a parameter such as pass.param",
                                   node->keys[i]->text);
-        SSFR_TRY(ssfr_yaml_expect(node->values[i], SSFR_YAML_TEXT));
+        SSFR_TRY(check_setting(node->keys[i], node->values[i]));
         SSFR_TRY(add_setting(to, "", node->keys[i], node->values[i]));
     }
 end:
@@ -195,14 +230,22 @@ static void list_rows(ssfr_yaml_row rows[SSFR_COUNT(scene_rows) + MAX_GROUPS + 1
     rows[n] = (ssfr_yaml_row)SSFR_YAML_ROW_END;
 }
 
+static ssfr_result check_frames(const ssfr_yaml_node *root, const char *key, double time, double n)
+{
+    if (n <= MAX_FRAMES) return SSFR_OK;
+    return ssfr_yaml_fail(ssfr_yaml_find(root, key), SSFR_ERR_VALUE, "%s: %g s make %.0f frames, at most %d", key, time,
+                          n, MAX_FRAMES);
+}
+
 static ssfr_result count_frames(ssfr_reading *r, const ssfr_yaml_node *root)
 {
+    ssfr_result result = SSFR_OK;
     const double n = floor(r->duration * r->d.frame_rate + frame_slack) + 1;
-    if (n > MAX_FRAMES)
-        return ssfr_yaml_fail(root, SSFR_ERR_VALUE, "duration: %g s make %.0f frames, at most %d", r->duration, n,
-                              MAX_FRAMES);
+    SSFR_TRY(check_frames(root, "duration", r->duration, n));
+    SSFR_TRY(check_frames(root, "rest_time", r->d.rest_time, r->d.rest_time * r->d.frame_rate));
     r->d.n_frames = (int)n;
-    return SSFR_OK;
+end:
+    return result;
 }
 
 static void apply_scale(ssfr_reading *r)

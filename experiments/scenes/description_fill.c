@@ -144,10 +144,14 @@ ssfr_result ssfr_description_fill(const ssfr_description *d, size_t *n, double *
     for (int i = 0; i < d->n_pools; i++) {
         const ssfr_pool *pool = &d->pools[i];
         const lattice l = make_lattice(pool->lo, pool->hi, spacing);
+        const size_t wanted = most_of(d, pool, most - *n);
         size_t added = 0;
-        SSFR_TRY(fill_lattice(&l, &s, most_of(d, pool, most - *n), *positions + 3 * *n, &added));
+        SSFR_TRY(fill_lattice(&l, &s, wanted, *positions + 3 * *n, &added));
         for (size_t j = 3 * *n; j < 3 * (*n + added); j++) (*velocities)[j] = (float)pool->velocity[j % 3];
         *n += added;
+        if (pool->count > 0 && added < wanted && d->scale == SSFR_SCALE_FULL) /* quick's wide lattice loses a few */
+            ssfr_log(SSFR_WARNING, "%s: %s: solids leave room for %zu of its %zu particles", d->name, pool->name,
+                     added, wanted);
     }
 end:
     if (result != SSFR_OK) {

@@ -110,6 +110,15 @@ static void default_up(entry *in)
     if (!given) in->up[upright ? 2 : 1] = upright ? -1 : 1;
 }
 
+/* Places in the mouth. */
+static double count_mouth(const ssfr_reading *r, const entry *in)
+{
+    const double spacing = ssfr_description_spacing(&r->d);
+    double n = 1;
+    for (int k = 0; k < 2; k++) n *= fmax((in->radius > 0 ? 2 * in->radius : in->size[k]) / spacing, 1);
+    return n;
+}
+
 static ssfr_result check_emitter(const ssfr_reading *r, const ssfr_yaml_node *node, const entry *in)
 {
     const ssfr_solver_setup *s = &r->d.solver;
@@ -117,6 +126,9 @@ static ssfr_result check_emitter(const ssfr_reading *r, const ssfr_yaml_node *no
     const ssfr_emitter there = ssfr_emitter_at(&r->d, e, e->start);
     if ((in->radius > 0) == (in->size[0] > 0))
         return ssfr_yaml_fail(node->key, SSFR_ERR_FORMAT, "%.80s: either radius or size must be given", node->name);
+    if (count_mouth(r, in) > SSFR_MAX_FLUID)
+        return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%.80s: room for %.4g particles of radius %g m, at most %d",
+                              node->name, count_mouth(r, in), s->radius, SSFR_MAX_FLUID);
     if (!(e->stop > e->start))
         return ssfr_yaml_fail(node->key, SSFR_ERR_VALUE, "%.80s: stops at %g s, starts at %g s", node->name, e->stop,
                               e->start);

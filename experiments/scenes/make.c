@@ -9,6 +9,7 @@
 
 #include "scene/mesh.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -17,11 +18,15 @@
 #include <time.h>
 #include <unistd.h>
 
+static const char state_name[] = "state.bin";
+
 const char *const ssfr_scale_words[] = {"quick", "full", NULL};
 
 /* ---- where ------------------------------------------------------------------------------------------------------- */
 
-/* 64 bits are enough: only versions of one scene, of one name and scale, must not meet. */
+/* 64 bits are enough: only versions of one scene, of one name and scale, must not meet. What code decides is in
+ * SSFR_SOLVER_VERSION: raise it when a change to the filling of pools, to emission, steps, foam, solids or meshes gives
+ * the same scene other bits, or the state another format. */
 uint64_t ssfr_make_key(const ssfr_description *description, uint64_t seed)
 {
     const int32_t numbers[] = {(int32_t)description->scale, SSFR_SOLVER_VERSION};
@@ -170,17 +175,32 @@ end:
     return result;
 }
 
-static ssfr_result remove_frames(const making *m)
+static bool ends_in(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), n = strlen(ending);
+    return length > n && strcmp(name + length - n, ending) == 0;
+}
+
+/* Removes what killed processes left half-written, which under the lock is nobody's; all: frames and state as well. */
+static ssfr_result clean(const making *m, bool all)
 {
     ssfr_result result = SSFR_OK;
-    for (int i = ssfr_make_count(m->folder) - 1; i >= 0 && result == SSFR_OK; i--)
-        for (int foam = 0; foam < 2 && result == SSFR_OK; foam++) {
-            char *path = NULL;
-            result = ssfr_make_path(m->folder, i, foam == 1, &path);
-            if (result == SSFR_OK && unlink(path) != 0 && errno != ENOENT)
-                result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
-            free(path);
+    char *path = NULL;
+    DIR *dir = opendir(m->folder);
+    if (!dir) return ssfr_fail(SSFR_ERR_IO, "%s: %s", m->folder, strerror(errno));
+    SSFR_TRY(ssfr_alloc(&path, strlen(m->folder) + sizeof((struct dirent *)0)->d_name + 2, 1, "a path"));
+    for (const struct dirent *entry = readdir(dir); entry; entry = readdir(dir)) {
+        const char *name = entry->d_name;
+        if (!ends_in(name, ".part") && !(all && (ends_in(name, ".h5") || strcmp(name, state_name) == 0))) continue;
+        sprintf(path, "%s/%s", m->folder, name);
+        if (unlink(path) != 0 && errno != ENOENT) {
+            result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+            break;
         }
+    }
+end:
+    closedir(dir);
+    free(path);
     return result;
 }
 
@@ -198,9 +218,9 @@ static const char magic[8] = "ssfrsim";
 
 static ssfr_result state_path(const making *m, char **out)
 {
-    const size_t size = strlen(m->folder) + 16;
+    const size_t size = strlen(m->folder) + sizeof state_name + 1;
     const ssfr_result result = ssfr_alloc(out, size, 1, "a path");
-    if (result == SSFR_OK) snprintf(*out, size, "%s/state.bin", m->folder);
+    if (result == SSFR_OK) snprintf(*out, size, "%s/%s", m->folder, state_name);
     return result;
 }
 
@@ -400,7 +420,7 @@ static ssfr_result run(making *m)
     ssfr_result result = SSFR_OK;
     SSFR_TRY(make_folders(m->folder));
     SSFR_TRY(lock(m));
-    if (m->o->anew) SSFR_TRY(remove_frames(m));
+    SSFR_TRY(clean(m, m->o->anew));
     if (ssfr_make_count(m->folder) > m->last) goto end;
     SSFR_TRY(ssfr_simulation_create(&m->simulation, m->d, m->o->seed));
     SSFR_TRY(resume(m));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* simulation.h: a description in motion: the solver and its foam among moving solids, emitters and sinks, frame by
- * frame. The same description and seed give the same bits, for any number of threads and across write and read. */
+ * frame. The same description and seed give the same bits, for any number of threads and across write and read: a
+ * change that gives others raises SSFR_SOLVER_VERSION. */
 #ifndef SSFR_SIMULATION_H
 #define SSFR_SIMULATION_H
 
