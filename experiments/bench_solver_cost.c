@@ -18,8 +18,7 @@ enum {
 };
 static const int sizes[] = {8, 13, 20, 32, 51, 80}; /* layers: 1 K, 4 K, 16 K, 64 K, 256 K, 1 M particles */
 static const int quick_sizes[] = {5, 8};
-static const double splash = 0.4;    /* s, when the dam break's wave falls back from the wall */
-static const double stretch = 4;     /* steps on the way there, in those that are measured */
+static const double splash = 0.3;    /* s, when the dam break's wave runs up the wall */
 static const double window = 0.1;    /* s, simulated: longer and it would no longer be the splash */
 static const size_t diffuse[] = {1, 100000, 200000}, quick_diffuse[] = {1, 1000};
 
@@ -107,7 +106,7 @@ end:
 static ssfr_result time_step(ssfr_tank *tank, double *row)
 {
     const double begun = ssfr_clock();
-    const ssfr_result result = ssfr_tank_step(tank, INFINITY, 1);
+    const ssfr_result result = ssfr_tank_step(tank, INFINITY);
     row[0] = 1e3 * (ssfr_clock() - begun);
     for (int i = 0; i < SSFR_N_SOLVER_STAGES; i++) row[1 + i] = 1e3 * ssfr_solver_seconds(tank->solver)[i];
     return result;
@@ -120,7 +119,7 @@ static ssfr_result time_window(ssfr_bench *bench, ssfr_tank *tank, FILE *kept, s
     ssfr_result result = SSFR_OK;
     rewind(kept);
     SSFR_TRY(ssfr_solver_read(tank->solver, kept));
-    SSFR_TRY(ssfr_tank_step(tank, INFINITY, 1));
+    SSFR_TRY(ssfr_tank_step(tank, INFINITY));
     const double time = tank->time;
     for (int i = 0; s->n < MAX_SAMPLES && (i < MIN_WINDOW || tank->time - time < window); i++) {
         SSFR_TRY(time_step(tank, s->values + s->n++ * STRIDE));
@@ -157,7 +156,7 @@ static ssfr_result prepare(ssfr_bench *bench, const cost *c, ssfr_tank *tank, do
     ssfr_result result = SSFR_OK;
     omp_set_num_threads(bench->max_threads);
     while (c->kind == SSFR_TANK_POOL ? tank->steps < SETTLING : tank->time < splash) {
-        SSFR_TRY(ssfr_tank_step(tank, c->kind == SSFR_TANK_POOL ? INFINITY : splash, stretch));
+        SSFR_TRY(ssfr_tank_step(tank, c->kind == SSFR_TANK_POOL ? INFINITY : splash));
         SSFR_TRY(ssfr_bench_tick(bench, expected, 0.5 * tank->time / splash));
     }
 end:
@@ -279,10 +278,10 @@ end:
     return result;
 }
 
-/* s. Steps of the dam break are about 0.6 radii at 4 m/s long. */
+/* s. Steps of the dam break are about a radius at 5 m/s long. */
 static double expect(const ssfr_bench *bench, const cost *c)
 {
-    const double step = ssfr_bench_pace * (double)particles_of(c), dt = 0.6 * 0.27 / c->layers / 4 * stretch;
+    const double step = ssfr_bench_pace * (double)particles_of(c), dt = 0.27 / c->layers / 5;
     const ssfr_measure_options m = ssfr_measure_defaults(bench->quick);
     double sum = step / bench->max_threads * (c->kind == SSFR_TANK_POOL ? SETTLING : splash / dt);
     for (int threads = 1; threads; threads = threads_after(bench, threads))

@@ -50,7 +50,7 @@ static ssfr_result simulate(ssfr_bench *bench, ssfr_tank *tank, course *c, doubl
         moment *m = &c->moments[c->n];
         m->time = (double)c->n / sample_rate;
         while (tank->time < m->time) {
-            SSFR_TRY(ssfr_tank_step(tank, m->time, 1));
+            SSFR_TRY(ssfr_tank_step(tank, m->time));
             SSFR_TRY(ssfr_bench_tick(bench, expected, tank->time / c->duration));
         }
         m->steps = tank->steps;
@@ -232,7 +232,7 @@ static ssfr_result run_fall(ssfr_bench *bench, const void *what, double expected
     SSFR_TRY(ssfr_tank_create(&tank, SSFR_TANK_DROP, DROP_LAYERS, &params));
     SSFR_TRY(ssfr_tank_measure(tank, &before));
     while (tank->time < fall_time) {
-        SSFR_TRY(ssfr_tank_step(tank, fall_time, 1));
+        SSFR_TRY(ssfr_tank_step(tank, fall_time));
         SSFR_TRY(ssfr_bench_tick(bench, expected, tank->time / fall_time));
     }
     SSFR_TRY(ssfr_tank_measure(tank, &after));

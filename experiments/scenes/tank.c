@@ -90,9 +90,9 @@ void ssfr_tank_destroy(ssfr_tank **tank)
     *tank = NULL;
 }
 
-ssfr_result ssfr_tank_step(ssfr_tank *tank, double end, double stretch)
+ssfr_result ssfr_tank_step(ssfr_tank *tank, double end)
 {
-    const double left = end - tank->time, limit = stretch * ssfr_solver_limit(tank->solver);
+    const double left = end - tank->time, limit = ssfr_solver_limit(tank->solver);
     const double n = ceil(left / limit - 1e-9), dt = isfinite(n) ? left / n : limit;
     const ssfr_result result = ssfr_solver_step(tank->solver, dt, 0, NULL);
     tank->time = n <= 1 ? end : tank->time + dt;

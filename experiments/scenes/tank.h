@@ -30,9 +30,9 @@ SSFR_MUST ssfr_result ssfr_tank_create(ssfr_tank **out, ssfr_tank_kind kind, int
                                        const ssfr_solver_params *params);
 void ssfr_tank_destroy(ssfr_tank **tank);
 
-/* One step towards `end` (s, may be infinite): `stretch` times as long as the solver allows, or so much shorter that
- * the last one is as long as the others. */
-SSFR_MUST ssfr_result ssfr_tank_step(ssfr_tank *tank, double end, double stretch);
+/* One step towards `end` (s, may be infinite): as long as the solver allows, or so much shorter that the last one is as
+ * long as the others. */
+SSFR_MUST ssfr_result ssfr_tank_step(ssfr_tank *tank, double end);
 
 /* What can be said of the water at a moment. Interior particles are farther than the kernels' support from walls and
  * from every particle whose neighbours lie to one side. Deviations are those of their densities from that of rest,
