@@ -291,18 +291,18 @@ end:
     return result;
 }
 
+/* As many as can be drawn, and as the solver takes, hidden ones among them. */
 ssfr_result ssfr_reading_solids(ssfr_reading *r)
 {
     ssfr_result result = SSFR_OK;
-    int n_drawn = 0;
-    SSFR_TRY(ssfr_reading_make(r->solids, SSFR_YAML_MAP, sizeof *r->d.bodies, &r->d.bodies, &r->d.n_bodies));
-    for (int i = 0; i < r->d.n_bodies; i++) {
-        SSFR_TRY(read_body(r, r->solids->values[i], &r->d.bodies[i]));
-        n_drawn += !r->d.bodies[i].hidden;
-        if (n_drawn > SSFR_MAX_SOLIDS)
-            return ssfr_yaml_fail(r->solids->keys[i], SSFR_ERR_VALUE, "%.80s: more than %d solids that are not hidden",
-                                  r->solids->keys[i]->text, SSFR_MAX_SOLIDS);
+    const ssfr_yaml_node *node = r->solids;
+    SSFR_TRY(ssfr_reading_make(node, SSFR_YAML_MAP, sizeof *r->d.bodies, &r->d.bodies, &r->d.n_bodies));
+    if (r->d.n_bodies > SSFR_MAX_SOLIDS) {
+        result = ssfr_yaml_fail(node->keys[SSFR_MAX_SOLIDS], SSFR_ERR_VALUE, "%.80s: more than %d solids",
+                                node->keys[SSFR_MAX_SOLIDS]->text, SSFR_MAX_SOLIDS);
+        goto end;
     }
+    for (int i = 0; i < r->d.n_bodies; i++) SSFR_TRY(read_body(r, node->values[i], &r->d.bodies[i]));
 end:
     return result;
 }
