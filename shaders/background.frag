@@ -8,8 +8,9 @@ const int TILE = 32; // px, SSFR_TILE
 
 layout(std430, binding = 4) readonly buffer SolidTiles { uvec2 solid_tiles[]; }; // bit i: solid i may be seen there
 
-layout(location = 0) out vec4 o_color;
-layout(location = 1) out float o_depth;
+// Precise: a tile's program, which leaves out what the tile does not show, gives the same bits as the one with all.
+layout(location = 0) precise out vec4 o_color;
+layout(location = 1) precise out float o_depth;
 
 void main()
 {

@@ -156,7 +156,8 @@ vec2 seen(vec3 corner, vec3 o, vec3 x, vec3 y, vec3 z, vec2 shear)
     return p;
 }
 
-// Woop, Benthin and Wald, Watertight ray/triangle intersection (2013).
+// Woop, Benthin and Wald, Watertight ray/triangle intersection (2013). The inner loop goes on to the next leaf that the
+// ray meets, so that rays that run side by side look at triangles at the same time.
 Span enter_mesh(uint root, vec3 o, vec3 d, float first)
 {
     Span s = Span(NEVER, EMPTY, vec3(0));
@@ -165,9 +166,14 @@ Span enter_mesh(uint root, vec3 o, vec3 d, float first)
     vec3 x = dot(d, z) > 0.0 ? z.zxy : z.yzx, y = dot(d, z) > 0.0 ? z.yzx : z.zxy;
     vec2 shear = vec2(dot(d, x), dot(d, y)) / dot(d, z);
     for (uint i = root, end = nodes[root].skip; i < end;) {
-        Node node = nodes[i];
-        bool meets = meets_box(node, o, inverse, first, s.leave);
-        for (uint k = node.leaf >> 3; meets && k < (node.leaf >> 3) + (node.leaf & 7u); k++) {
+        uint leaf = 0u;
+        while (leaf == 0u && i < end) {
+            Node node = nodes[i];
+            bool meets = meets_box(node, o, inverse, first, s.leave);
+            leaf = meets ? node.leaf : 0u;
+            i = meets ? i + 1u : node.skip;
+        }
+        for (uint k = leaf >> 3; k < (leaf >> 3) + (leaf & 7u); k++) {
             vec4 a = triangles[3u * k], b = triangles[3u * k + 1u], c = triangles[3u * k + 2u];
             vec3 n = vec3(a.w, b.w, c.w);
             float slope = dot(n, d), t = dot(n, a.xyz - o) / slope;
@@ -177,7 +183,6 @@ Span enter_mesh(uint root, vec3 o, vec3 d, float first)
             if (left_of(p, q) > 0.0 || left_of(q, r) > 0.0 || left_of(r, p) > 0.0) continue;
             s = Span(t, t, n);
         }
-        i = meets ? i + 1u : node.skip;
     }
     return Span(s.enter, EMPTY, s.normal);
 }

@@ -2,6 +2,8 @@
 /* frames.c: what tests of whole frames share: small scenes, graphs on both backends, pictures and their comparison. */
 #include "tests/frames.h"
 
+#include "tests/meshes.h"
+
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 static void add_solids(test_scene *s)
@@ -57,8 +59,41 @@ void test_scene_create_usual(test_scene *s, int w, int h)
     test_scene_look(s, (const double[3]){0.35, 0.62, 1.25}, (const double[3]){0, 0.2, 0}, 45, w, h);
 }
 
+static ssfr_field *make_map(void)
+{
+    ssfr_field *map = test_image(16, 8, 3, 0);
+    uint64_t seed = 16;
+    for (int i = 0; i < 16 * 8 * 3; i++) map->data[i] = test_random(&seed, 0.1, 1);
+    return map;
+}
+
+void test_scene_add_shapes(test_scene *s)
+{
+    static const struct {
+        ssfr_shape shape;
+        double centre[3], half[3], inner;
+    } list[] = {{SSFR_CYLINDER, {-0.3, 0.3, -0.5}, {0.15, 0.2, 0.15}, 0.1}, {SSFR_SPHERE, {0.5, 0.4, 0}, {0.1}, 0},
+                {SSFR_RAMP, {0.2, 0.06, 0.5}, {0.12, 0.06, 0.08}, 0},       {SSFR_PLANE, {0, 0, -1.5}, {0}, 0},
+                {SSFR_MESH, {-0.4, 0.5, 0.1}, {0}, 0}};
+    test_mesh thorns = test_mesh_thorns(1, 0.05, 0.14);
+    s->mesh = test_mesh_make(&thorns);
+    s->map = make_map();
+    for (size_t i = 0; i < SSFR_COUNT(list); i++) {
+        ssfr_solid *to = &s->solids[2 + i];
+        *to = (ssfr_solid){.shape = list[i].shape, .axis = {{0.8, 0, 0.6}, {-0.6, 0, 0.8}, {0, -1, 0}},
+                           .inner = list[i].inner, .mesh = s->mesh, .colour = {0.2 * (double)i, 0.5, 0.3}};
+        memcpy(to->centre, list[i].centre, sizeof to->centre);
+        memcpy(to->half, list[i].half, sizeof to->half);
+    }
+    s->scene.n_solids = 2 + (int)SSFR_COUNT(list);
+    s->scene.environment = s->map;
+    test_mesh_finish(&thorns);
+}
+
 void test_scene_destroy(test_scene *s)
 {
+    ssfr_mesh_destroy(&s->mesh);
+    ssfr_field_destroy(&s->map);
     ssfr_particles_destroy(&s->particles);
 }
 

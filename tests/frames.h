@@ -7,7 +7,9 @@
 
 typedef struct test_scene { /* not to be copied: scene points into it */
     ssfr_particles *particles;
-    ssfr_solid solids[2];
+    ssfr_solid solids[7];
+    ssfr_mesh *mesh; /* NULL, but where it has solids of all shapes */
+    ssfr_field *map;
     ssfr_scene scene;
 } test_scene;
 
@@ -18,6 +20,8 @@ void test_scene_create_block(test_scene *s, const int n[3], const double middle[
 void test_scene_look(test_scene *s, const double eye[3], const double target[3], double fov_deg, int w, int h);
 /* A block of 432 particles on the floor that fills about half of an image of w x h px. */
 void test_scene_create_usual(test_scene *s, int w, int h);
+/* Puts solids of the other shapes beside the two boxes, and a map in the place of the sky. */
+void test_scene_add_shapes(test_scene *s);
 void test_scene_destroy(test_scene *s);
 
 /* One GL context for all tests of a file, made when first asked for; skips like test_gl_or_skip. */

@@ -457,6 +457,20 @@ static void a_mesh_far_from_its_own_origin_keeps_its_digits(void **state)
     test_mesh_finish(&m);
 }
 
+/* A plane may be given by any of its points. */
+static void a_plane_given_by_a_point_far_away_keeps_its_digits(void **state)
+{
+    ssfr_solid wall = {.shape = SSFR_PLANE, .centre = {0, 0, -1.3}, .colour = {0.3, 0.8, 0.6},
+                       .axis = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}};
+    test_twin *t = begin(state, 61, 48);
+    t->scene.solids = &wall, t->scene.n_solids = 1;
+    const picture here = run(t);
+    wall.centre[0] = 1e6, wall.centre[1] = -3e6;
+    const picture there = run(t);
+    assert_true(test_difference(there.depth, here.depth) <= 64 * t->eps);
+    assert_int_equal(n_changed(there.color, here.color), 0);
+}
+
 /* ---- maps of the environment ------------------------------------------------------------------------------------- */
 
 static test_twin *begin_with_map(void **state, const ssfr_field *map)
@@ -667,6 +681,7 @@ int main(void)
         TEST_TWINS(as_many_solids_as_there_may_be_are_drawn),
         TEST_TWINS(each_frame_shows_its_own_meshes),
         TEST_TWINS(a_mesh_far_from_its_own_origin_keeps_its_digits),
+        TEST_TWINS(a_plane_given_by_a_point_far_away_keeps_its_digits),
         TEST_TWINS(a_map_of_one_value_is_seen_everywhere),
         TEST_TWINS(a_bright_texel_is_seen_in_its_direction),
         TEST_TWINS(the_poles_are_the_first_and_the_last_row),

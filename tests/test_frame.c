@@ -3,6 +3,8 @@
 #include "tests/frames.h"
 
 #include "graph/graph.h"
+#include "passes/environment.h"
+#include "scene/solid.h"
 
 static ssfr_world world;
 
@@ -337,6 +339,67 @@ static void memory_grows_only_with_the_scene(void **state)
     test_scene_destroy(&large);
 }
 
+/* The solids that the rays of a tile's pixels enter. */
+static void solids_in_tile(const ssfr_frame *frame, int tile, ssfr_solid_set out)
+{
+    static const double eye[3] = {0, 0, 0};
+    const int x0 = tile % frame->facts.tiles_x * SSFR_TILE, y0 = tile / frame->facts.tiles_x * SSFR_TILE;
+    memset(out, 0, sizeof(ssfr_solid_set));
+    for (int y = y0; y < ssfr_min_int(y0 + SSFR_TILE, frame->h); y++)
+        for (int x = x0; x < ssfr_min_int(x0 + SSFR_TILE, frame->w); x++) {
+            double ray[3] = {0, 0, -1}, dir[3], normal[3];
+            ssfr_slope_at(&frame->block, x + 0.5, y + 0.5, ray);
+            ssfr_world_from_eye(&frame->block, ray, dir);
+            for (int i = 0; i < frame->n_solids; i++)
+                if (ssfr_solid_enter(&frame->solids[i], eye, dir, normal) > 0) out[i / 32] |= 1u << i % 32;
+        }
+}
+
+/* Each tile stands in the list once, behind those of lesser kinds. */
+static void assert_sorted_by_solids(const ssfr_frame *frame)
+{
+    const ssfr_facts *f = &frame->facts;
+    unsigned char *seen = calloc((size_t)(f->tiles_x * f->tiles_y), 1);
+    int at = 0;
+    assert_non_null(seen);
+    for (int kind = 0; kind < SSFR_N_TILE_KINDS; kind++)
+        for (int i = 0; i < f->n_by_solids[kind]; i++, at++) {
+            const int tile = (int)(f->by_solids[at] >> 16) * f->tiles_x + (int)(f->by_solids[at] & 0xffff);
+            const bool mesh = f->solids[tile][0] >> 6 & 1; /* test_scene_add_shapes puts it there */
+            assert_int_equal(kind, mesh ? SSFR_TILE_MESHES : f->solids[tile][0] ? SSFR_TILE_SOLIDS : SSFR_TILE_PLAIN);
+            assert_int_equal(seen[tile]++, 0);
+        }
+    assert_int_equal(at, f->tiles_x * f->tiles_y);
+    free(seen);
+}
+
+static void tiles_know_what_solids_they_may_show(void **state)
+{
+    (void)state;
+    test_scene s;
+    ssfr_frame frame = {0};
+    test_scene_create_usual(&s, 150, 100);
+    test_scene_add_shapes(&s);
+    for (int round = 0; round < 3; round++) { /* with a plane, without one, and leaving nothing out */
+        if (round == 1) s.solids[5] = s.solids[0];
+        prepare(&frame, &s.scene, 3, round == 2);
+        assert_sorted_by_solids(&frame);
+        const ssfr_facts *f = &frame.facts;
+        for (int tile = 0; tile < f->tiles_x * f->tiles_y; tile++) {
+            ssfr_solid_set shown;
+            solids_in_tile(&frame, tile, shown);
+            assert_int_equal(shown[0] & ~f->solids[tile][0], 0);
+            assert_int_equal(f->solids[tile][1], 0);
+            if (round == 0) assert_true(f->solids[tile][0] >> 5 & 1);
+            if (round == 2) assert_int_equal(f->solids[tile][0], 127);
+        }
+        assert_true(round == 1 ? f->n_by_solids[SSFR_TILE_PLAIN] > 2 : f->n_by_solids[SSFR_TILE_PLAIN] == 0);
+        assert_true(round == 2 || (f->n_by_solids[SSFR_TILE_SOLIDS] > 3 && f->n_by_solids[SSFR_TILE_MESHES] > 0));
+    }
+    ssfr_frame_finish(&frame);
+    test_scene_destroy(&s);
+}
+
 static void of_a_hosts_buffer_nothing_is_known(void **state)
 {
     (void)state;
@@ -346,7 +409,7 @@ static void of_a_hosts_buffer_nothing_is_known(void **state)
     const double origin[3] = {1e6, 2, 3};
     create_heap(&s, 0, 0, 3);
     s.scene.particles = NULL;
-    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, false, &grew), SSFR_OK);
     assert_int_equal(frame.n_packets, (600 + SSFR_PACKET - 1) / SSFR_PACKET);
     assert_int_equal(frame.facts.n_particles, 600);
     assert_int_equal(frame.facts.n_ranges, 1);
@@ -354,7 +417,7 @@ static void of_a_hosts_buffer_nothing_is_known(void **state)
     assert_int_equal(frame.facts.n_tiles, 10 * 7);
     assert_true(frame.facts.nearest == s.scene.camera.near);
     for (size_t i = 0; i < frame.n_packets; i++) assert_close(frame.offset[i][0], 1e6, 0, 1e-15);
-    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 0, origin, 0.02, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 0, origin, 0.02, false, &grew), SSFR_OK);
     assert_int_equal(frame.facts.n_ranges, 0);
     ssfr_frame_finish(&frame);
     test_scene_destroy(&s);
@@ -371,7 +434,7 @@ static void samples_of_the_host_tell_its_mean_distance(void **state)
     long grew = 0;
     create_heap(&s, 0, 0, 3);
     s.scene.particles = NULL;
-    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, false, &grew), SSFR_OK);
     ssfr_frame_sample_host(&frame, 4, positions);
     assert_close(frame.facts.mean, 3.5, 0, 1e-14);
     ssfr_frame_sample_host(&frame, 2, &positions[2]);
@@ -484,6 +547,7 @@ int main(void)
         cmocka_unit_test(eye_space_is_what_the_camera_says),
         cmocka_unit_test(the_block_for_shaders_is_relative_to_the_eye),
         cmocka_unit_test(memory_grows_only_with_the_scene),
+        cmocka_unit_test(tiles_know_what_solids_they_may_show),
         cmocka_unit_test(of_a_hosts_buffer_nothing_is_known),
         cmocka_unit_test(samples_of_the_host_tell_its_mean_distance),
         cmocka_unit_test(fluid_that_is_given_may_be_anywhere),

@@ -64,13 +64,29 @@ static void hidden_by_a_solid(test_scene *s)
                                 .half = {0.5, 0.5, 0.05}, .colour = {0.7, 0.2, 0.1}};
 }
 
+static void among_solids_of_all_shapes(test_scene *s)
+{
+    test_scene_create_usual(s, W, H);
+    test_scene_add_shapes(s);
+}
+
+/* Some tiles show no solid, some no mesh. */
+static void solids_without_a_floor(test_scene *s)
+{
+    among_solids_of_all_shapes(s);
+    s->solids[5] = s->solids[0]; /* in the place of the plane */
+    s->solids[5].centre[0] = -0.6;
+    s->scene.floor = -INFINITY;
+}
+
 static const struct {
     const char *name;
     void (*create)(test_scene *);
 } scenes[] = {
 #define X(name) {#name, name}
     X(block), X(one_sphere), X(empty), X(no_particles), X(all_behind_the_eye), X(a_fifth_of_the_screen),
-    X(eye_inside_the_fluid), X(far_strays), X(hidden_by_a_solid),
+    X(eye_inside_the_fluid), X(far_strays), X(hidden_by_a_solid), X(among_solids_of_all_shapes),
+    X(solids_without_a_floor),
 #undef X
 };
 

@@ -129,6 +129,23 @@ static void distance_is_that_of_the_nearest_point_of_the_surface(void **state)
     }
 }
 
+/* Rounding may put a corner before one of its own sides. */
+static void a_ramps_corners_are_on_its_surface(void **state)
+{
+    (void)state;
+    uint64_t seed = 23;
+    for (int n = 0; n < 1000; n++) {
+        const double a = test_random(&seed, 0.1, 2), b = test_random(&seed, 0.1, 2);
+        const double corners[3][3] = {{-a, -b, 0.05}, {a, -b, 0.05}, {a, b, 0.05}};
+        const ssfr_solid s = {.shape = SSFR_RAMP, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .half = {a, b, 0.1}};
+        for (int i = 0; i < 3; i++) {
+            double normal[3];
+            assert_close(ssfr_solid_distance(&s, corners[i], normal), 0, 1e-15, 0);
+            assert_close(ssfr_dot(normal, normal), 1, 1e-12, 0);
+        }
+    }
+}
+
 /* ---- the gradient ------------------------------------------------------------------------------------------------ */
 
 /* On creases, where two places are equally near, differences see a mean of two gradients: shorter than one. */
@@ -457,6 +474,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(distance_is_that_of_the_nearest_point_of_the_surface),
+        cmocka_unit_test(a_ramps_corners_are_on_its_surface),
         cmocka_unit_test(normal_is_the_gradient),
         cmocka_unit_test(one_step_along_the_normal_leads_to_the_surface),
         cmocka_unit_test(known_places_have_known_distances),

@@ -116,6 +116,8 @@ static void fill_solid(ssfr_frame *frame, int i)
     double(*out)[4] = frame->block.solid[i], half[3], middle[3] = {s->centre[0], s->centre[1], s->centre[2]};
     half_extents(s, half);
     if (s->shape == SSFR_MESH) ssfr_solid_world(s, s->mesh->middle, middle);
+    if (s->shape == SSFR_PLANE) /* its point next to the eye: the centre may be any, far away */
+        for (int k = 0; k < 3; k++) middle[k] = ssfr_dot(s->centre, s->axis[1]) * s->axis[1][k];
     /* Larger by what a float may lose on the way from the eye. */
     const double around = 1.001 * sqrt(ssfr_dot(half, half)) + 1e-5 * sqrt(ssfr_dot(middle, middle));
     set4(out[0], middle[0], middle[1], middle[2], fmin(around * around, SSFR_EMPTY));
@@ -285,14 +287,15 @@ static void list_by_solids(ssfr_frame *frame)
 }
 
 /* Rays begin in the eye, whatever the near plane is. */
-static void mark_solids(ssfr_frame *frame)
+static void mark_solids(ssfr_frame *frame, bool keep_all)
 {
     ssfr_facts *facts = &frame->facts;
     memset(facts->solids, 0, (size_t)facts->tiles_x * (size_t)facts->tiles_y * sizeof *facts->solids);
     for (int i = 0; i < frame->n_solids; i++) {
         const bounds b = solid_bounds(frame, i);
         int lo[2] = {0, 0}, hi[2] = {frame->w, frame->h};
-        if (frame->solids[i].shape != SSFR_PLANE && !box_pixels(frame, &b, 0, lo, hi)) continue;
+        const bool everywhere = keep_all || frame->solids[i].shape == SSFR_PLANE;
+        if (!everywhere && !box_pixels(frame, &b, 0, lo, hi)) continue;
         for (int y = lo[1] / SSFR_TILE; y <= (hi[1] - 1) / SSFR_TILE; y++)
             for (int x = lo[0] / SSFR_TILE; x <= (hi[0] - 1) / SSFR_TILE; x++)
                 facts->solids[y * facts->tiles_x + x][i / 32] |= 1u << i % 32;
@@ -514,13 +517,13 @@ ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const
     SSFR_TRY(reserve(frame, grew));
     for (size_t i = 0; i < frame->n_packets; i++) eye_from_world(frame, p->packets[i].centre, frame->offset[i]);
     count_facts(frame, reach, keep_all);
-    mark_solids(frame);
+    mark_solids(frame, keep_all);
 end:
     return result;
 }
 
 ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, size_t n,
-                                    const double origin[3], double radius, long *grew)
+                                    const double origin[3], double radius, bool keep_all, long *grew)
 {
     ssfr_result result = SSFR_OK;
     SSFR_TRY(check_scene(frame, scene));
@@ -538,7 +541,7 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     frame->facts.fluid = n > 0;
     frame->facts.nearest = frame->facts.mean = frame->near;
     take_all_tiles(&frame->facts);
-    mark_solids(frame);
+    mark_solids(frame, keep_all);
 end:
     return result;
 }

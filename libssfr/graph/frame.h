@@ -61,8 +61,9 @@ typedef struct ssfr_block {
     double horizon[4];     /* rgb; w: near distance, m */
     double floor[4];       /* tile m, light, dark, haze m */
     double map[4];         /* w px, h px of the environment's map; 0: none */
-    /* Centre relative to the eye, of a mesh its middle, w: square of a radius around it that holds the solid, m^2; the
-     * axes with the half extent in w; colour; shape, inner radius and the mesh's first node. */
+    /* Centre relative to the eye, of a mesh its middle, of a plane its point next to the eye, w: square of a radius
+     * around it that holds the solid, m^2; the axes with the half extent in w; colour; shape, inner radius and the
+     * mesh's first node. */
     double solid[SSFR_MAX_SOLIDS][6][4];
 } ssfr_block;
 
@@ -119,7 +120,8 @@ SSFR_MUST ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *sc
                                          double reach, bool keep_all, long *grew);
 /* The same for n particles in a host's buffer, relative to origin: nothing is known of where they are. */
 SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world,
-                                              size_t n, const double origin[3], double radius, long *grew);
+                                              size_t n, const double origin[3], double radius, bool keep_all,
+                                              long *grew);
 /* Some of the host's positions, spread evenly: the mean distance of those in view stands for that of all. */
 void ssfr_frame_sample_host(ssfr_frame *frame, size_t n, const float (*positions)[3]);
 /* There may be fluid in every tile. Where no particle in view says how far it is, these do (m). */

@@ -442,7 +442,7 @@ static ssfr_result prepare(ssfr_graph *graph, const ssfr_scene *scene, bool keep
         return ssfr_fail(SSFR_ERR_VALUE, "particles: both the scene's and a buffer's (%u) are given", h->buffer);
     if (h->buffer)
         SSFR_TRY(ssfr_frame_prepare_host(&graph->frame, scene, &graph->world, h->n, h->origin, h->radius,
-                                         &graph->grew));
+                                         keep_all, &graph->grew));
     else
         SSFR_TRY(ssfr_frame_prepare(&graph->frame, scene, &graph->world, reach, keep_all, &graph->grew));
     note_given_fluid(graph);

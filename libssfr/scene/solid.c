@@ -131,9 +131,10 @@ static gap triangle(const double p[3], double a, double b)
         const double x = p[0] - corner[i][0], y = p[1] - corner[i][1];
         const double d = x * out[i][0] + y * out[i][1], along = y * out[i][0] - x * out[i][1];
         const double r = sqrt(x * x + y * y);
+        if (r == 0) return (gap){.n = {out[i][0], out[i][1], 0}};
         if (d > 0 && along >= 0 && along <= length[i]) return (gap){.d = d, .n = {out[i][0], out[i][1], 0}};
         if (d > line.d) line = (gap){.d = d, .n = {out[i][0], out[i][1], 0}};
-        if (r < point.d && r > 0) point = (gap){.d = r, .n = {x / r, y / r, 0}};
+        if (r < point.d) point = (gap){.d = r, .n = {x / r, y / r, 0}};
     }
     return line.d > 0 ? point : line;
 }
