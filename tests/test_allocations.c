@@ -86,6 +86,7 @@ static void a_frame_allocates_nothing_after_the_first(void **state)
     ssfr_gl *gl = test_backend(state);
     test_scene s;
     test_scene_create_usual(&s, 96, 64);
+    test_scene_add_shapes(&s);
     for (size_t v = 0; v < SSFR_COUNT(variants); v++)
         for (size_t o = 0; o < SSFR_COUNT(options); o++) {
             ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), gl);
@@ -153,6 +154,7 @@ static void running_out_anywhere_in_making_and_running_a_graph_is_an_error(void 
     (void)state;
     test_scene s;
     test_scene_create_usual(&s, 37, 23);
+    test_scene_add_shapes(&s);
     const long live = n_live;
     bool failed = true;
     int n_in_create = 0, n_in_run = 0;
@@ -186,6 +188,7 @@ static void running_out_on_the_gpu_is_an_error(void **state)
     ssfr_gl *gl = test_gl_or_skip(); /* with no program yet */
     bool failed = true;
     test_scene_create_usual(&s, 37, 23);
+    test_scene_add_shapes(&s);
     for (int n = 0; failed && n < 2000; n++) {
         ssfr_graph *graph = NULL;
         start_counting(n);
