@@ -401,11 +401,31 @@ static void viscosity_evens_out_velocities_and_keeps_their_mean(void **state)
     assert_true(spread[1] < 0.9 * spread[0]);
 }
 
+static void viscosity_belongs_to_time_and_not_to_steps(void **state)
+{
+    (void)state;
+    double spread[2];
+    for (int n = 1; n <= 2; n++) {
+        ssfr_solver_setup s = make_setup(4, 4, 4);
+        s.gravity[1] = 0;
+        s.params.viscosity = 0.2;
+        ssfr_solver *solver = make(&s);
+        add_block(solver, (double[3]){1.5, 1.5, 1.5}, 8, 4, 8, (double[3]){0.025, 0, 0});
+        add_block(solver, (double[3]){1.5, 1.5 + 4 * spacing, 1.5}, 8, 4, 8, (double[3]){-0.025, 0, 0});
+        for (int i = 0; i < n; i++) step(solver, s.params.max_step / n);
+        const ssfr_fluid f = ssfr_solver_fluid(solver);
+        spread[n - 1] = 0.025 - rms_speed(&f);
+        ssfr_solver_destroy(&solver);
+    }
+    assert_true(spread[0] > 0.0003);
+    assert_close(spread[1], spread[0], 0, 0.15); /* what is lost in two halves of a step and in one */
+}
+
 static void vorticity_confinement_drives_a_vortex(void **state)
 {
     (void)state;
-    double energy[2];
-    for (int v = 0; v < 2; v++) {
+    double energy[4]; /* without, and of vortices around z, x and y */
+    for (size_t v = 0; v < 4; v++) {
         enum { N = 14 * 14 * 4 };
         ssfr_solver_setup s = make_setup(4, 4, 4);
         double positions[3 * N];
@@ -417,10 +437,11 @@ static void vorticity_confinement_drives_a_vortex(void **state)
             const double x = spacing * ((double)(i % 14) - 6.5), y = spacing * ((double)(i / 14 % 14) - 6.5);
             const double at[3] = {2 + x, 2 + y, 2 + spacing * (double)(i / 196)};
             const double swirl = 2 * exp(-(x * x + y * y) / ssfr_square(3 * spacing));
-            for (size_t k = 0; k < 3; k++) positions[3 * i + k] = at[k];
-            velocities[3 * i] = (float)(-swirl * y / spacing * 0.1);
-            velocities[3 * i + 1] = (float)(swirl * x / spacing * 0.1);
-            velocities[3 * i + 2] = 0;
+            const double turn[3] = {-swirl * y / spacing * 0.1, swirl * x / spacing * 0.1, 0};
+            for (size_t k = 0; k < 3; k++) {
+                positions[3 * i + (k + v) % 3] = at[k];
+                velocities[3 * i + (k + v) % 3] = (float)turn[k];
+            }
         }
         ssfr_solver *solver = make(&s);
         assert_int_equal(ssfr_solver_add(solver, N, positions, velocities), SSFR_OK);
@@ -429,7 +450,7 @@ static void vorticity_confinement_drives_a_vortex(void **state)
         energy[v] = rms_speed(&f);
         ssfr_solver_destroy(&solver);
     }
-    assert_true(energy[1] > 1.01 * energy[0]);
+    for (int v = 1; v < 4; v++) assert_true(energy[v] > 1.01 * energy[0]);
 }
 
 static void artificial_pressure_parts_particles_that_are_close(void **state)
@@ -566,6 +587,88 @@ static void friction_drags_what_touches_and_only_then(void **state)
     assert_close(along[0], 0, 0.01, 0);
     assert_true(along[1] > 0.5 && along[2] > along[1] - 0.05);
     assert_close(along[2], 1, 0.05, 0); /* the belt's */
+}
+
+static void friction_takes_its_share_in_the_longest_step(void **state)
+{
+    (void)state;
+    ssfr_solver_setup s = make_setup(4, 1, 1);
+    s.gravity[1] = 0;
+    const ssfr_solid floor = make_box(2, 0.1, 0.5, 3, 0.1, 1);
+    const ssfr_obstacle obstacle = {floor, floor, 0.5};
+    for (int part = 1; part <= 4; part *= 4) {
+        ssfr_solver *solver = make(&s);
+        const double at[3] = {1, 0.2 + 0.5 * spacing, 0.5};
+        assert_int_equal(ssfr_solver_add(solver, 1, at, (float[]){0.385f, 0, -0.117f}), SSFR_OK);
+        assert_int_equal(ssfr_solver_step(solver, s.params.max_step / part, 1, &obstacle), SSFR_OK);
+        const ssfr_fluid f = ssfr_solver_fluid(solver);
+        const double left = part == 1 ? 0.5 : 0.8; /* (1 - f) / (1 - f + f dt / max_step) */
+        assert_close((double)f.velocity[0], left * 0.385, 1e-4, 0);
+        assert_close((double)f.velocity[2], left * -0.117, 1e-4, 0);
+        ssfr_solver_destroy(&solver);
+    }
+}
+
+static void a_wall_pushes_what_is_too_dense_near_it(void **state)
+{
+    (void)state;
+    enum { WIDE = 10, N = WIDE * WIDE };
+    for (int k = 0; k < 3; k++)
+        for (int side = 0; side < 2; side++) {
+            ssfr_solver_setup s = make_setup(1, 1, 1);
+            s.gravity[1] = 0;
+            ssfr_solver *solver = make(&s);
+            double positions[3 * N];
+            for (int i = 0; i < N; i++) { /* a dense sheet along the wall: it pushes itself sideways only */
+                positions[3 * i + k] = side ? 1 - 0.6 * spacing : 0.6 * spacing;
+                positions[3 * i + (k + 1) % 3] = 0.5 + 0.5 * spacing * (i % WIDE - 0.5 * (WIDE - 1));
+                positions[3 * i + (k + 2) % 3] = 0.5 + 0.5 * spacing * (i / WIDE - 0.5 * (WIDE - 1));
+            }
+            assert_int_equal(ssfr_solver_add(solver, N, positions, NULL), SSFR_OK);
+            step(solver, 0.008);
+            const ssfr_fluid f = ssfr_solver_fluid(solver);
+            const double away = (side ? -1 : 1) * mean(&f, f.velocity + k, 3);
+            assert_true(away > 0.1); /* m/s */
+            ssfr_solver_destroy(&solver);
+        }
+}
+
+static void a_slab_flush_with_the_floor_adds_no_second_floor(void **state)
+{
+    (void)state;
+    const ssfr_solver_setup s = make_setup(8 * spacing, 1, 8 * spacing);
+    const ssfr_solid slab = make_box(0.15, -0.1, 0.15, 1, 0.1, 1);
+    const ssfr_obstacle obstacle = {slab, slab, 0};
+    ssfr_fluid f[2];
+    ssfr_solver *solver[2];
+    for (int n = 0; n < 2; n++) {
+        solver[n] = make(&s);
+        add_block(solver[n], (double[3]){0}, 8, 6, 8, NULL);
+        for (int i = 0; i < 10; i++) assert_int_equal(ssfr_solver_step(solver[n], 0.006, n, &obstacle), SSFR_OK);
+        f[n] = ssfr_solver_fluid(solver[n]);
+    }
+    for (size_t i = 0; i < f[0].n; i++) assert_close(speed(&f[1], i), speed(&f[0], i), 0.002, 0);
+    for (int n = 0; n < 2; n++) ssfr_solver_destroy(&solver[n]);
+}
+
+static void a_press_against_a_wall_leaves_all_inside(void **state)
+{
+    (void)state;
+    for (int side = 0; side < 2; side++) {
+        const ssfr_solver_setup s = make_setup(1, 0.5, 0.25);
+        ssfr_solver *solver = make(&s);
+        add_block(solver, (double[3]){side ? 1 - 4 * spacing : 0, 0, 0}, 4, 4, 6, NULL);
+        for (int n = 0; n < 20; n++) { /* the plate's face ends beyond the wall */
+            const double at = 0.25 - 0.016 * n, next = at - 0.016;
+            const ssfr_obstacle plate = {make_box(side ? 1 - at : at, 0.25, 0.125, radius, 1, 1),
+                                         make_box(side ? 1 - next : next, 0.25, 0.125, radius, 1, 1), 0};
+            assert_int_equal(ssfr_solver_step(solver, 0.006, 1, &plate), SSFR_OK);
+            const ssfr_fluid f = ssfr_solver_fluid(solver);
+            assert_int_equal(f.n, 96);
+            assert_inside(&f, &s);
+        }
+        ssfr_solver_destroy(&solver);
+    }
 }
 
 static void particles_that_begin_in_a_solid_are_put_on_its_surface_at_rest(void **state)
@@ -1039,6 +1142,7 @@ int main(void)
         cmocka_unit_test(a_short_step_after_long_ones_throws_nothing_up),
         cmocka_unit_test(a_dam_break_runs_as_fast_as_in_the_experiment),
         cmocka_unit_test(viscosity_evens_out_velocities_and_keeps_their_mean),
+        cmocka_unit_test(viscosity_belongs_to_time_and_not_to_steps),
         cmocka_unit_test(vorticity_confinement_drives_a_vortex),
         cmocka_unit_test(artificial_pressure_parts_particles_that_are_close),
         cmocka_unit_test(nothing_comes_through_a_thin_wall_however_fast),
@@ -1046,6 +1150,10 @@ int main(void)
         cmocka_unit_test(a_plate_that_jumps_past_a_particle_takes_it_along),
         cmocka_unit_test(a_turning_paddle_lets_nothing_through),
         cmocka_unit_test(friction_drags_what_touches_and_only_then),
+        cmocka_unit_test(friction_takes_its_share_in_the_longest_step),
+        cmocka_unit_test(a_wall_pushes_what_is_too_dense_near_it),
+        cmocka_unit_test(a_slab_flush_with_the_floor_adds_no_second_floor),
+        cmocka_unit_test(a_press_against_a_wall_leaves_all_inside),
         cmocka_unit_test(particles_that_begin_in_a_solid_are_put_on_its_surface_at_rest),
         cmocka_unit_test(what_is_added_far_outside_comes_to_the_wall_or_leaves),
         cmocka_unit_test(what_leaves_by_an_open_side_is_gone),
