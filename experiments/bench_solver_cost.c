@@ -113,15 +113,17 @@ static ssfr_result time_step(ssfr_tank *tank, double *row)
 }
 
 /* From the state that is kept: every number of threads has the same work to do. The first step wakes threads and is not
- * timed. */
-static ssfr_result time_window(ssfr_bench *bench, ssfr_tank *tank, FILE *kept, samples *s, whole *sum)
+ * timed. until: the clock's, after which no more steps are needed than the fewest. */
+static ssfr_result time_window(ssfr_bench *bench, ssfr_tank *tank, FILE *kept, double until, samples *s,
+                               whole *sum)
 {
     ssfr_result result = SSFR_OK;
     rewind(kept);
     SSFR_TRY(ssfr_solver_read(tank->solver, kept));
     SSFR_TRY(ssfr_tank_step(tank, INFINITY));
     const double time = tank->time;
-    for (int i = 0; s->n < MAX_SAMPLES && (i < MIN_WINDOW || tank->time - time < window); i++) {
+    for (int i = 0; s->n < MAX_SAMPLES; i++) {
+        if (i >= MIN_WINDOW && (tank->time - time >= window || ssfr_clock() >= until)) break;
         SSFR_TRY(time_step(tank, s->values + s->n++ * STRIDE));
         SSFR_TRY(ssfr_bench_tick(bench, 0, 0));
     }
@@ -137,10 +139,10 @@ static ssfr_result time_steps(ssfr_bench *bench, const cost *c, ssfr_tank *tank,
     whole w = {0};
     omp_set_num_threads(threads);
     s->n = 0;
-    const double begun = ssfr_clock();
+    const double until = ssfr_clock() + m.min_seconds;
     do
-        SSFR_TRY(time_window(bench, tank, kept, s, &w));
-    while (s->n < MAX_SAMPLES && ssfr_clock() - begun < m.min_seconds);
+        SSFR_TRY(time_window(bench, tank, kept, until, s, &w));
+    while (s->n < MAX_SAMPLES && ssfr_clock() < until);
     w.dt /= (double)s->n;
     w.real_time = 1e3 * w.dt / ssfr_timing_of(s->values, STRIDE, s->n, s->work).median;
     w.bytes = (double)ssfr_solver_bytes(tank->solver) / (double)tank->n;
