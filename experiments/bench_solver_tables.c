@@ -101,14 +101,14 @@ static const ssfr_panel cost_panels[] = {
 };
 
 static const ssfr_panel physics_panels[] = {
-    {.title = "Density: RMS deviation", .x = "iterations", .y = "density_rms",
-     .x_label = "iterations a step", .y_label = "deviation from 1000 kg/m^3 inside, RMS [%]", .y_factor = 100,
+    {.title = "Density inside", .x = "iterations", .y = "density_rms",
+     .x_label = "iterations a step", .y_label = "RMS deviation from 1000 kg/m^3 [%]", .y_factor = 100,
      .log_x = true, .log_y = true, .keys = {{"case", NULL}, {"phase", NULL}}},
-    {.title = "Density: largest compression", .x = "iterations", .y = "compression_max",
-     .x_label = "iterations a step", .y_label = "largest density above 1000 kg/m^3 inside [%]", .y_factor = 100,
+    {.title = "Largest compression inside", .x = "iterations", .y = "compression_max",
+     .x_label = "iterations a step", .y_label = "largest density above 1000 kg/m^3 [%]", .y_factor = 100,
      .log_x = true, .log_y = true, .keys = {{"case", NULL}, {"phase", NULL}}},
-    {.title = "Volume, by the centre of mass", .x = "iterations", .y = "centre_change",
-     .x_label = "iterations a step", .y_label = "change of twice the centre's height [%]", .y_factor = 100,
+    {.title = "Volume, as twice the height of the centre of mass", .x = "iterations", .y = "centre_change",
+     .x_label = "iterations a step", .y_label = "change [%]", .y_factor = 100,
      .log_x = true, .keys = {{"case", NULL}, {"phase", NULL}}, .only = {{"phase", "rest"}, {"phase", "settled"}},
      .levels = {3, -3}, .level_text = "aim: within 3 %"},
     {.title = "Stillness", .x = "iterations", .y = "speed_rms", .x_label = "iterations a step",
@@ -133,7 +133,7 @@ static const ssfr_panel series_panels[] = {
 
 static const ssfr_panel fall_panels[] = {
     {.title = "A drop falls for one second, 4.905 m", .x = "max_step", .y = "error", .x_label = "length of a step [s]",
-     .y_label = "distance from the exact parabola's end [m]", .log_x = true, .log_y = true},
+     .y_label = "distance from the exact end [m]", .log_x = true, .log_y = true},
 };
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */

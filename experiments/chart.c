@@ -193,7 +193,7 @@ static ssfr_result put_script(void *user, FILE *script, const char *output)
     const chart *ch = user;
     const int across = ch->n_panels > 1 ? 2 : 1, down = (ch->n_panels + across - 1) / across;
     ssfr_gnuplot_begin(script, PANEL_WIDTH * across, PANEL_HEIGHT * down + TITLE_HEIGHT, output);
-    fputs("set samples 2\nset key below maxrows 4 samplen 2 font ',13'\nset bmargin 7\nset xlabel offset 0,0.5\n",
+    fputs("set samples 2\nset key below maxrows 4 samplen 2 font ',13'\nset bmargin 6\nset xlabel offset 0,0.5\n",
           script);
     fprintf(script, "set multiplot layout %d,%d title ", down, across);
     ssfr_gnuplot_text(script, ch->title);

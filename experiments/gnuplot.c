@@ -34,9 +34,10 @@ void ssfr_gnuplot_text(FILE *script, const char *text)
 void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
 {
     static const double steps[] = {1, 2, 5};
-    const size_t n_steps = hi / lo > 2e3 ? 1 : SSFR_COUNT(steps);
+    const bool crowded = hi / lo > 2e3 || (name == 'x' && hi >= 1e5 && hi / lo > 50); /* long numbers side by side */
+    const size_t n_steps = crowded ? 1 : SSFR_COUNT(steps);
     fprintf(script, "set %ctics ()\n", name);
-    if (hi / lo < 6) {
+    if (hi / lo < 10) {
         const double unit = pow(10, floor(log10((hi - lo) / 4))), ratio = (hi - lo) / 4 / unit;
         const double step = unit * (ratio > 5 ? 5 : ratio > 2 ? 2 : 1);
         for (double i = ceil(lo / step); i * step <= hi; i++)
@@ -46,7 +47,7 @@ void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
     for (double decade = floor(log10(lo)); decade <= ceil(log10(hi)); decade++)
         for (size_t i = 0; i < n_steps; i++) {
             const double tic = steps[i] * pow(10, decade);
-            if (tic >= lo && tic <= hi) fprintf(script, "set %ctics add ('%g' %.9g)\n", name, tic, tic);
+            if (tic >= lo && tic <= hi) fprintf(script, "set %ctics add ('%.7g' %.9g)\n", name, tic, tic);
         }
 }
 
