@@ -44,8 +44,12 @@ static ssfr_result add_statistics(ssfr_table *table, const char *what, const cha
     return add_line(table, what, unit, text);
 }
 
-/* How many particles have each kind: numbers of the file, few of them. */
-static ssfr_result add_kinds(ssfr_table *table, const uint32_t *kind, size_t n)
+/* By number of kind: of a file's own kinds nothing is known, diffuse particles have those of ssfr_kind. */
+static const char *const unnamed[] = {NULL}, *const diffuse[] = {"spray", "foam", "bubbles", NULL};
+
+/* How many particles have each kind: numbers of the file, few of them. names: of the first kinds; a list ends with
+ * NULL. */
+static ssfr_result add_kinds(ssfr_table *table, const uint32_t *kind, size_t n, const char *const *names)
 {
     enum { MAX_KINDS = 16 };
     ssfr_result result = SSFR_OK;
@@ -53,7 +57,10 @@ static ssfr_result add_kinds(ssfr_table *table, const uint32_t *kind, size_t n)
     for (size_t i = 0; i < n; i++) *(kind[i] < MAX_KINDS ? &counts[kind[i]] : &others) += 1;
     for (int k = 0; k < MAX_KINDS; k++) {
         char what[24];
-        snprintf(what, sizeof what, "kind %d", k);
+        if (*names)
+            snprintf(what, sizeof what, "%s", *names++);
+        else
+            snprintf(what, sizeof what, "kind %d", k);
         if (counts[k]) SSFR_TRY(add_number(table, what, "particles", (double)counts[k]));
     }
     if (others) SSFR_TRY(add_number(table, "other kinds", "particles", (double)others));
@@ -79,7 +86,7 @@ static ssfr_result add_arrays(ssfr_table *table, const ssfr_particles *p)
     if (p->neighbours) SSFR_TRY(add_statistics(table, "neighbours", "1", values, p->n));
     for (size_t i = 0; p->id && i < p->n; i++) values[i] = p->id[i];
     if (p->id) SSFR_TRY(add_statistics(table, "id", "1", values, p->n));
-    if (p->kind) SSFR_TRY(add_kinds(table, p->kind, p->n));
+    if (p->kind) SSFR_TRY(add_kinds(table, p->kind, p->n, unnamed));
 end:
     free(values);
     return result;
@@ -100,6 +107,43 @@ end:
     return result;
 }
 
+static ssfr_result add_share(ssfr_table *table, const char *what, double n, double of)
+{
+    char value[32];
+    snprintf(value, sizeof value, "%.3g", 100 * n / of);
+    return add_line(table, what, "%", value);
+}
+
+/* What the papers take particles for, at the thresholds of the library and the figures. */
+static ssfr_result add_classes(ssfr_table *table, const ssfr_particles *p)
+{
+    static const double splash_density = 0.5 * SSFR_REST_DENSITY;
+    enum { T_STRAY = 2, T_FOAM = 10 }; /* Neto 2015, Fig. 6b */
+    ssfr_result result = SSFR_OK;
+    size_t counts[SSFR_N_CLASSES];
+    unsigned char *classes = NULL;
+    float *foam = NULL;
+    ssfr_weber *weber = NULL;
+    double sum = 0;
+    SSFR_TRY(ssfr_alloc(&classes, p->n, sizeof *classes, "classes"));
+    SSFR_TRY(ssfr_alloc(&foam, p->n, sizeof *foam, "foam values"));
+    SSFR_TRY(ssfr_classify_by_density(p, splash_density, classes, counts));
+    SSFR_TRY(add_share(table, "splashes below half the rest density", (double)counts[SSFR_CLASS_SPLASH], (double)p->n));
+    SSFR_TRY(ssfr_classify_by_neighbours(p, T_STRAY, T_FOAM, classes, counts));
+    SSFR_TRY(add_share(table, "strays up to 2 neighbours", (double)counts[SSFR_CLASS_STRAY], (double)p->n));
+    SSFR_TRY(add_share(table, "foam up to 10 neighbours", (double)counts[SSFR_CLASS_FOAM], (double)p->n));
+    if (!p->velocity) goto end;
+    SSFR_TRY(ssfr_weber_create(&weber, NULL, 0));
+    SSFR_TRY(ssfr_weber_step(weber, p, 0, foam, NULL));
+    for (size_t i = 0; i < p->n; i++) sum += (double)foam[i];
+    SSFR_TRY(add_share(table, "foam by Weber number", sum, (double)p->n));
+end:
+    ssfr_weber_destroy(&weber);
+    free(foam);
+    free(classes);
+    return result;
+}
+
 static ssfr_result add_particles(ssfr_table *table, const ssfr_stage *stage)
 {
     ssfr_result result = SSFR_OK;
@@ -110,7 +154,7 @@ static ssfr_result add_particles(ssfr_table *table, const ssfr_stage *stage)
     if (stage->description) SSFR_TRY(add_number(table, "time", "s", stage->time));
     SSFR_TRY(add_number(table, "particles", "1", (double)p->n));
     if (stage->foam) SSFR_TRY(add_number(table, "diffuse particles", "1", (double)stage->foam->n));
-    if (stage->foam && stage->foam->kind) SSFR_TRY(add_kinds(table, stage->foam->kind, stage->foam->n));
+    if (stage->foam && stage->foam->kind) SSFR_TRY(add_kinds(table, stage->foam->kind, stage->foam->n, diffuse));
     if (stage->n_dropped) SSFR_TRY(add_number(table, "dropped", "1", (double)stage->n_dropped));
     SSFR_TRY(add_number(table, "packets", "1", (double)p->n_packets));
     SSFR_TRY(add_number(table, "radius", "m", p->radius));
@@ -123,6 +167,7 @@ static ssfr_result add_particles(ssfr_table *table, const ssfr_stage *stage)
     SSFR_TRY(add_vector(table, "eye", "m", stage->scene.camera.eye));
     SSFR_TRY(add_completed(table, p));
     if (p->n) SSFR_TRY(add_arrays(table, p));
+    if (p->n && p->density && p->neighbours) SSFR_TRY(add_classes(table, p));
 end:
     return result;
 }

@@ -63,6 +63,8 @@ done
 refuses 'a name that two scenes end in' 'wave: there are akinci2013/wave and imai2016/wave' scene info wave
 accepts 'a name that one scene ends in' scene info waterfall
 that 'is that scene' grep -q '^scene		bagar2010/waterfall$' out
+accepts 'what papers take particles for' scene info splash
+that 'is told in per cent' awk -F '\t' '/^(splashes|strays|foam) .*%/ && $3 >= 0 && $3 <= 100 { n++ } END { exit n != 4 }' out
 refuses 'a scene that is none' 'dam_braek: no such file, and not a built-in scene (splash, ' scene make dam_braek
 refuses 'a scene file that is not there' 'none.yaml: no such file' render none.yaml -o a.png $small
 refuses 'a shape cannot be made' 'block: there is nothing to simulate' scene make block
