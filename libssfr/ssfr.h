@@ -343,8 +343,8 @@ typedef struct ssfr_scene {
     const ssfr_solid *solids;
     int n_solids;     /* [0, SSFR_MAX_SOLIDS] */
     double floor;     /* m, world y of the ground plane; -inf for none */
-    const ssfr_field *environment; /* NULL: the procedural sky. Linear radiance from all directions, 3 channels, laid out
-                                    * as OpenEXR's latitude-longitude maps: row 0 looks up (+y), the middle column
+    const ssfr_field *environment; /* NULL: the procedural sky. Linear radiance from all directions, 3 channels, laid
+                                    * out as OpenEXR's latitude-longitude maps: row 0 looks up (+y), the middle column
                                     * along +z, and +x is a quarter from the left. A graph takes it anew when its
                                     * memory, its size or any of some thousand values spread over it are others */
 } ssfr_scene;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* scenes.h: what a SCENE on the command line may be: a built-in shape, a scene file inside the binary or on disk, a file
- * of particles, or a sequence of such files. The list of shapes is in builtin.c; that of scenes is the folder itself. */
+/* scenes.h: what a SCENE on the command line may be: a built-in shape, a scene file inside the binary or on disk, a
+ * file of particles, or a sequence of such files. The list of shapes is in builtin.c; that of scenes is the folder. */
 #ifndef SSFR_SCENES_H
 #define SSFR_SCENES_H
 

@@ -247,8 +247,8 @@ static ssfr_result fail_blown_up(const ssfr_simulation *s, double limit)
     const ssfr_fluid fluid = ssfr_solver_fluid(s->solver);
     const size_t i = fastest(&fluid);
     const float *v = fluid.velocity + 3 * i;
-    return ssfr_fail(SSFR_ERR_VALUE,
-                     "particle %zu of %zu has a velocity of (%g, %g, %g) m/s: steps of %g s would be needed", i, fluid.n, (double)v[0], (double)v[1], (double)v[2], limit);
+    return ssfr_fail(SSFR_ERR_VALUE, "particle %u has a velocity of (%g, %g, %g) m/s: steps of %g s would be needed",
+                     ssfr_solver_id(s->solver, i), (double)v[0], (double)v[1], (double)v[2], limit);
 }
 
 /* m/s, of the emitters that are open before `to`. */

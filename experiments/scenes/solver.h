@@ -55,6 +55,8 @@ SSFR_MUST ssfr_result ssfr_solver_step(ssfr_solver *solver, double dt, int n_obs
 
 /* The fluid as it is after a step, densities and grid included. */
 ssfr_fluid ssfr_solver_fluid(const ssfr_solver *solver);
+/* The id of the i-th particle of it. */
+uint32_t ssfr_solver_id(const ssfr_solver *solver, size_t i);
 /* Packs position, velocity, density, neighbours within the support, id and age. */
 SSFR_MUST ssfr_result ssfr_solver_export(const ssfr_solver *solver, ssfr_particles **out);
 

@@ -233,6 +233,11 @@ ssfr_fluid ssfr_solver_fluid(const ssfr_solver *solver)
     return fluid;
 }
 
+uint32_t ssfr_solver_id(const ssfr_solver *solver, size_t i)
+{
+    return solver->labels[i].id;
+}
+
 ssfr_result ssfr_solver_export(const ssfr_solver *solver, ssfr_particles **out)
 {
     ssfr_result result = SSFR_OK;

@@ -23,7 +23,7 @@ const ssfr_param *ssfr_param_find(const ssfr_param *rows, const char *name);
 /* Parses text by the row's type and range; `key` is what the user called it, for the error line. */
 SSFR_MUST ssfr_result ssfr_param_set(const ssfr_param *row, void *params, const char *key, const char *text);
 
-/* Whether a struct that was not filled by ssfr_param_set holds to its rows' ranges; what: what the error line calls it. */
+/* Whether a struct that was not filled by ssfr_param_set holds to its rows' ranges; what: its name in error lines. */
 SSFR_MUST ssfr_result ssfr_params_check(const ssfr_param *rows, const void *params, const char *what);
 
 /* The value as text that ssfr_param_set reads back exactly. */
