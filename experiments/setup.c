@@ -25,8 +25,7 @@ static ssfr_result fail_unknown(const char *what, const char *name, const char *
 {
     char names[768] = "";
     size_t used = 0;
-    for (int i = 0; at(i) && used < sizeof names; i++)
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", at(i));
+    for (int i = 0; at(i); i++) ssfr_list_name(names, sizeof names, &used, at(i));
     return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no such %s; there are %s", name, what, names);
 }
 

@@ -333,11 +333,6 @@ const ssfr_yaml_node *ssfr_yaml_root(const ssfr_yaml *tree)
 
 /* ---- maps by rows ------------------------------------------------------------------------------------------------ */
 
-static void list_name(char *list, size_t size, size_t *used, const char *name)
-{
-    if (*used < size) *used += (size_t)snprintf(list + *used, size - *used, "%s%s", *used ? ", " : "", name);
-}
-
 static ssfr_result fail_unknown(const ssfr_yaml_node *map, const ssfr_yaml_node *key, const char *list)
 {
     if (map == map->tree->root)
@@ -349,7 +344,7 @@ static ssfr_result fail_no_row(const ssfr_yaml_node *map, const ssfr_yaml_node *
 {
     char list[400] = "";
     size_t used = 0;
-    for (const ssfr_yaml_row *row = rows; row->name; row++) list_name(list, sizeof list, &used, row->name);
+    for (const ssfr_yaml_row *row = rows; row->name; row++) ssfr_list_name(list, sizeof list, &used, row->name);
     return fail_unknown(map, key, list);
 }
 
@@ -479,7 +474,7 @@ ssfr_result ssfr_yaml_read_word(const ssfr_yaml_node *node, const ssfr_yaml_row 
     int at = 0;
     SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
     for (; row->words[at] && strcmp(row->words[at], node->text) != 0; at++)
-        list_name(list, sizeof list, &used, row->words[at]);
+        ssfr_list_name(list, sizeof list, &used, row->words[at]);
     if (row->words[at])
         *(int *)to = at;
     else
@@ -509,7 +504,7 @@ static ssfr_result fail_no_param(const ssfr_yaml_node *map, const ssfr_yaml_node
 {
     char list[400] = "";
     size_t used = 0;
-    for (const ssfr_param *param = params; param->name; param++) list_name(list, sizeof list, &used, param->name);
+    for (const ssfr_param *param = params; param->name; param++) ssfr_list_name(list, sizeof list, &used, param->name);
     return fail_unknown(map, key, list);
 }
 

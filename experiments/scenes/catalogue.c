@@ -69,10 +69,8 @@ static ssfr_result fail_unknown(const char *word)
     ssfr_scene_source s;
     char names[768] = "";
     size_t used = 0;
-    for (int i = 0; ssfr_builtin_at(i) && used < sizeof names; i++)
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", ssfr_builtin_at(i)->name);
-    for (int i = 0; ssfr_scene_at(i, &s) && used < sizeof names; i++)
-        used += (size_t)snprintf(names + used, sizeof names - used, ", %s", s.name);
+    for (int i = 0; ssfr_builtin_at(i); i++) ssfr_list_name(names, sizeof names, &used, ssfr_builtin_at(i)->name);
+    for (int i = 0; ssfr_scene_at(i, &s); i++) ssfr_list_name(names, sizeof names, &used, s.name);
     return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no such file, and not a built-in scene (%s)", word, names);
 }
 

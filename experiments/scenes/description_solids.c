@@ -119,8 +119,7 @@ ssfr_result ssfr_reading_find_motion(const ssfr_reading *r, const ssfr_yaml_node
     SSFR_TRY(ssfr_yaml_expect(motion, SSFR_YAML_TEXT));
     for (int i = 0; i < r->d.n_motions; i++) {
         if (strcmp(r->d.motions[i].name, motion->text) == 0) *index = i;
-        if (used < sizeof list)
-            used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", r->d.motions[i].name);
+        ssfr_list_name(list, sizeof list, &used, r->d.motions[i].name);
     }
     if (*index < 0)
         result = ssfr_yaml_fail(motion, SSFR_ERR_UNKNOWN, "no motion %.80s: there are %s", motion->text, list);
@@ -197,7 +196,7 @@ static ssfr_result find_shape(const ssfr_yaml_node *node, const struct shape **o
     SSFR_TRY(ssfr_yaml_expect(word, SSFR_YAML_TEXT));
     for (size_t i = 0; i < SSFR_COUNT(shapes) && !*out; i++) {
         if (strcmp(shapes[i].name, word->text) == 0) *out = &shapes[i];
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", shapes[i].name);
+        ssfr_list_name(list, sizeof list, &used, shapes[i].name);
     }
     if (!*out)
         result = ssfr_yaml_fail(word, SSFR_ERR_UNKNOWN, "no shape %.80s: there are %s", word->text, list);

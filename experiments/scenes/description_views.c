@@ -158,8 +158,7 @@ ssfr_result ssfr_description_view(const ssfr_description *d, const char *name, c
     if (!name) return SSFR_OK;
     for (int i = 0; i < d->n_views && !*out; i++) {
         if (strcmp(d->views[i].name, name) == 0) *out = &d->views[i];
-        if (used < sizeof list)
-            used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", d->views[i].name);
+        ssfr_list_name(list, sizeof list, &used, d->views[i].name);
     }
     return *out ? SSFR_OK : ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no camera %s: there are %s", d->name, name, list);
 }

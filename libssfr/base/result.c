@@ -172,3 +172,8 @@ ssfr_result ssfr_aside_end(ssfr_aside *aside, ssfr_result so_far)
     *aside = (ssfr_aside){0};
     return result;
 }
+
+void ssfr_list_name(char *list, size_t size, size_t *used, const char *name)
+{
+    if (*used < size) *used += (size_t)snprintf(list + *used, size - *used, "%s%s", *used ? ", " : "", name);
+}
