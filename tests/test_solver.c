@@ -315,7 +315,12 @@ static void a_pool_comes_to_rest_at_its_volume(void **state)
     const ssfr_solver_setup s = make_setup(12 * spacing, 1, 10 * spacing);
     ssfr_solver *solver = make(&s);
     add_block(solver, (double[3]){0}, 12, 10, 10, NULL);
-    run_until(solver, 3, 0, NULL);
+    for (int quarter = 0; quarter < 20; quarter++) { /* of a second; at first the water sinks a little, and sways */
+        run_until(solver, 0.25, 0, NULL);
+        const ssfr_fluid now = ssfr_solver_fluid(solver);
+        assert_true(max_speed(&now) < 0.5); /* m/s */
+        assert_true(rms_speed(&now) < 0.15);
+    }
     const ssfr_fluid f = ssfr_solver_fluid(solver);
     assert_true(max_speed(&f) < 0.15); /* m/s */
     assert_true(rms_speed(&f) < 0.03);
