@@ -118,7 +118,8 @@ static ssfr_result add_share(ssfr_table *table, const char *what, double n, doub
 static ssfr_result add_classes(ssfr_table *table, const ssfr_particles *p)
 {
     static const double splash_density = 0.5 * SSFR_REST_DENSITY;
-    enum { T_STRAY = 2, T_FOAM = 10 }; /* Neto 2015, Fig. 6b */
+    static const int t_stray = 2, t_foam = 10; /* neighbours; Neto 2015, Fig. 6b */
+    char what[48];
     ssfr_result result = SSFR_OK;
     size_t counts[SSFR_N_CLASSES];
     unsigned char *classes = NULL;
@@ -129,9 +130,11 @@ static ssfr_result add_classes(ssfr_table *table, const ssfr_particles *p)
     SSFR_TRY(ssfr_alloc(&foam, p->n, sizeof *foam, "foam values"));
     SSFR_TRY(ssfr_classify_by_density(p, splash_density, classes, counts));
     SSFR_TRY(add_share(table, "splashes below half the rest density", (double)counts[SSFR_CLASS_SPLASH], (double)p->n));
-    SSFR_TRY(ssfr_classify_by_neighbours(p, T_STRAY, T_FOAM, classes, counts));
-    SSFR_TRY(add_share(table, "strays up to 2 neighbours", (double)counts[SSFR_CLASS_STRAY], (double)p->n));
-    SSFR_TRY(add_share(table, "foam up to 10 neighbours", (double)counts[SSFR_CLASS_FOAM], (double)p->n));
+    SSFR_TRY(ssfr_classify_by_neighbours(p, t_stray, t_foam, classes, counts));
+    snprintf(what, sizeof what, "strays up to %d neighbours", t_stray);
+    SSFR_TRY(add_share(table, what, (double)counts[SSFR_CLASS_STRAY], (double)p->n));
+    snprintf(what, sizeof what, "foam up to %d neighbours", t_foam);
+    SSFR_TRY(add_share(table, what, (double)counts[SSFR_CLASS_FOAM], (double)p->n));
     if (!p->velocity) goto end;
     SSFR_TRY(ssfr_weber_create(&weber, NULL, 0));
     SSFR_TRY(ssfr_weber_step(weber, p, 0, foam, NULL));
