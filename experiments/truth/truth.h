@@ -39,9 +39,10 @@ typedef struct ssfr_truth_channel_row {
 
 extern const ssfr_truth_channel_row ssfr_truth_channels[SSFR_N_TRUTH_CHANNELS];
 
-/* ---- parameters: keys truth.*, extinction.*, path.*, anisotropy.*, and the scene's medium.*, light.*, sky.*, floor.* ------- */
+/* ---- parameters: truth.*, extinction.*, path.*, anisotropy.*, and the scene's medium.*, light.*, sky.*, floor.* -- */
 
 typedef struct ssfr_truth_cast_params { /* truth.*, beside those of ssfr_continuum_rows */
+    unsigned parts;   /* what is cast, bits of the enum above; words surface, thickness, foam, colour */
     int integrator;   /* ssfr_integrator_id */
     double eps_abs, eps_rel;
     int points, steps;
