@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* make.c: frames of a simulation on disk: where they are, which are missing, and how to go on. */
 #include "experiments/scenes/make.h"
+#include "experiments/cache.h"
 #include "experiments/console.h"
 #include "experiments/hash.h"
 #include "experiments/interrupt.h"
@@ -11,11 +12,7 @@
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 static const char state_name[] = "state.bin";
@@ -41,25 +38,6 @@ uint64_t ssfr_make_key(const ssfr_description *description, uint64_t seed)
     return hash;
 }
 
-/* The folder of all frames, or what the environment lacks. */
-static ssfr_result find_cache(const char *given, char *text, size_t size)
-{
-    const char *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
-    int length;
-    if (given)
-        length = snprintf(text, size, "%s", given);
-    else if (xdg && xdg[0] == '/') /* a relative one is to be ignored, says the standard */
-        length = snprintf(text, size, "%s/ssfr/scenes", xdg);
-    else if (home && home[0])
-        length = snprintf(text, size, "%s/.cache/ssfr/scenes", home);
-    else
-        return ssfr_fail(SSFR_ERR_IO, "neither XDG_CACHE_HOME nor HOME says where frames are kept: give --cache DIR");
-    if (length < 1 || (size_t)length >= size)
-        return ssfr_fail(SSFR_ERR_VALUE, "the folder for frames has a name of %d bytes: expected 1 to %zu", length,
-                         size - 1);
-    return SSFR_OK;
-}
-
 /* "bagar2010/waterfall" gives "bagar2010-waterfall", "../my scene.yaml" gives "my_scene". */
 static void name_folder(const char *name, char *text, size_t size)
 {
@@ -80,15 +58,16 @@ static void name_folder(const char *name, char *text, size_t size)
 ssfr_result ssfr_make_folder(const ssfr_description *description, const char *cache, uint64_t seed, char **out)
 {
     ssfr_result result = SSFR_OK;
-    char root[1024], name[128];
-    const size_t size = sizeof root + sizeof name + 64;
+    char *root = NULL, name[128];
     *out = NULL;
-    SSFR_TRY(find_cache(cache, root, sizeof root));
+    SSFR_TRY(ssfr_cache_find(&root, cache, "scenes"));
+    const size_t size = strlen(root) + sizeof name + 64;
     SSFR_TRY(ssfr_alloc(out, size, 1, "a path"));
     name_folder(description->name, name, sizeof name);
     snprintf(*out, size, "%s/%s-%s-%016" PRIx64, root, name, ssfr_scale_words[description->scale],
              ssfr_make_key(description, seed));
 end:
+    free(root);
     return result;
 }
 
@@ -111,25 +90,6 @@ int ssfr_make_count(const char *folder)
     return n;
 }
 
-/* The folder and those around it. */
-static ssfr_result make_folders(const char *path)
-{
-    ssfr_result result = SSFR_OK;
-    char *part = NULL;
-    SSFR_TRY(ssfr_alloc(&part, strlen(path) + 1, 1, "a path"));
-    for (size_t n = 1; result == SSFR_OK; n++) {
-        if (path[n] == '/' || path[n] == '\0') {
-            memcpy(part, path, n);
-            if (mkdir(part, 0777) != 0 && errno != EEXIST)
-                result = ssfr_fail(SSFR_ERR_IO, "%s: the folder cannot be made: %s", part, strerror(errno));
-        }
-        if (path[n] == '\0') break;
-    }
-end:
-    free(part);
-    return result;
-}
-
 /* ---- the work ---------------------------------------------------------------------------------------------------- */
 
 typedef struct making {
@@ -150,26 +110,10 @@ static ssfr_result lock(making *m)
 {
     ssfr_result result = SSFR_OK;
     const size_t size = strlen(m->folder) + 8;
-    const struct timespec pause = {.tv_nsec = 100000000}; /* ns */
     char *path = NULL;
-    bool said = false;
     SSFR_TRY(ssfr_alloc(&path, size, 1, "a path"));
     snprintf(path, size, "%s/lock", m->folder);
-    m->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    while (m->lock >= 0 && flock(m->lock, LOCK_EX | LOCK_NB) != 0) {
-        if (errno != EWOULDBLOCK && errno != EINTR) {
-            close(m->lock);
-            m->lock = -1;
-        } else if (ssfr_interrupt_came()) {
-            result = ssfr_fail(SSFR_ERR_IO, "interrupted while another process makes %s", m->folder);
-            goto end;
-        } else {
-            if (!said) ssfr_log(SSFR_WARNING, "waiting for another process that makes %s", m->folder);
-            said = true;
-            nanosleep(&pause, NULL);
-        }
-    }
-    if (m->lock < 0) result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+    SSFR_TRY(ssfr_cache_hold(path, m->folder, &m->lock));
 end:
     free(path);
     return result;
@@ -418,7 +362,7 @@ end:
 static ssfr_result run(making *m)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(make_folders(m->folder));
+    SSFR_TRY(ssfr_cache_make_folders(m->folder));
     SSFR_TRY(lock(m));
     SSFR_TRY(clean(m, m->o->anew));
     if (ssfr_make_count(m->folder) > m->last) goto end;
