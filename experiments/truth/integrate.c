@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* integrate.c: GSL's rules behind one call, with error estimates that include what rounding of their sums may do. */
+#include "experiments/truth/integrate.h"
+
+#include <float.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_integration.h>
+#include <pthread.h>
+
+enum {
+    MAX_POINTS = 64,        /* of gauss, a piece */
+    MAX_STEPS = 1 << 24,
+    ADAPTIVE_LIMIT = 2000,  /* pieces that qags and qagp may make, at least */
+    PIECES_PER_BREAK = 3,   /* and for each break point: every piece may be halved, and some again */
+    CQUAD_LIMIT = 2000,     /* pieces that cquad keeps; beyond that it gives up the best of them */
+};
+
+const ssfr_integrator ssfr_integrators[SSFR_N_INTEGRATORS] = {
+#define X(name, help) {#name, help},
+#include "experiments/truth/integrators.def"
+#undef X
+};
+
+const char *const ssfr_integrator_names[] = {
+#define X(name, help) #name,
+#include "experiments/truth/integrators.def"
+#undef X
+    NULL};
+
+struct ssfr_integration {
+    gsl_integration_workspace *adaptive; /* these are made when they are first needed */
+    gsl_integration_cquad_workspace *cquad;
+    gsl_integration_glfixed_table *gauss[MAX_POINTS + 1];
+    double *breaks; /* qagp wants to write to them */
+    size_t breaks_capacity;
+};
+
+/* ---- the function, counted and kept finite ----------------------------------------------------------------------- */
+
+typedef struct counted {
+    const ssfr_integrand *integrand;
+    size_t n;
+    bool finite;
+} counted;
+
+/* GSL's rules have no answer to NaN, some would look for it for ever: they see 0, and the caller learns of it. */
+static double counted_value(double t, void *user)
+{
+    counted *f = user;
+    const double value = f->integrand->value(t, f->integrand->user);
+    f->n++;
+    if (isfinite(value)) return value;
+    f->finite = false;
+    return 0;
+}
+
+/* ---- sums -------------------------------------------------------------------------------------------------------- */
+
+/* Neumaier's sum: its rounding is that of one addition, however many there are. */
+typedef struct sum {
+    double value, lost, size; /* size: sum of absolute values */
+} sum;
+
+static void sum_add(sum *s, double v)
+{
+    const double t = s->value + v;
+    s->lost += fabs(s->value) >= fabs(v) ? s->value - t + v : v - t + s->value;
+    s->value = t;
+    s->size += fabs(v);
+}
+
+/* ---- the rules --------------------------------------------------------------------------------------------------- */
+
+/* Without any tolerance GSL refuses; this is the least that it takes. */
+static double least_rel(const ssfr_integrate_params *params)
+{
+    return params->eps_abs > 0 ? params->eps_rel : fmax(params->eps_rel, 51 * DBL_EPSILON);
+}
+
+static ssfr_result prepare_adaptive(ssfr_integration *work, size_t limit)
+{
+    if (work->adaptive && work->adaptive->limit >= limit) return SSFR_OK;
+    gsl_integration_workspace_free(work->adaptive);
+    work->adaptive = gsl_integration_workspace_alloc(limit);
+    return work->adaptive ? SSFR_OK
+                          : ssfr_fail(SSFR_ERR_MEMORY, "no memory to integrate over %zu pieces", limit);
+}
+
+/* What adding up the pieces, one after the other, may have rounded away. */
+static double adaptive_rounding(const gsl_integration_workspace *adaptive)
+{
+    double size = 0;
+    for (size_t i = 0; i < adaptive->size; i++) size += fabs(adaptive->rlist[i]);
+    return 0.5 * DBL_EPSILON * (double)adaptive->size * size;
+}
+
+static ssfr_result run_qags(ssfr_integration *work, counted *f, const ssfr_integrate_params *params,
+                            ssfr_integral *out)
+{
+    gsl_function function = {counted_value, f};
+    const double *breaks = f->integrand->breaks;
+    const size_t last = f->integrand->n_breaks - 1;
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(prepare_adaptive(work, ADAPTIVE_LIMIT + PIECES_PER_BREAK * last));
+    /* Whatever code it ends with, the estimate of the error is what it got to. */
+    gsl_integration_qags(&function, breaks[0], breaks[last], params->eps_abs, least_rel(params),
+                         work->adaptive->limit, work->adaptive, &out->value, &out->err);
+    out->err += adaptive_rounding(work->adaptive);
+end:
+    return result;
+}
+
+static ssfr_result run_qagp(ssfr_integration *work, counted *f, const ssfr_integrate_params *params,
+                            ssfr_integral *out)
+{
+    gsl_function function = {counted_value, f};
+    const size_t n = f->integrand->n_breaks;
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(prepare_adaptive(work, ADAPTIVE_LIMIT + PIECES_PER_BREAK * n));
+    if (n > work->breaks_capacity) {
+        free(work->breaks);
+        work->breaks = NULL, work->breaks_capacity = 0;
+        SSFR_TRY(ssfr_alloc(&work->breaks, 2 * n, sizeof *work->breaks, "break points"));
+        work->breaks_capacity = 2 * n;
+    }
+    memcpy(work->breaks, f->integrand->breaks, n * sizeof *work->breaks);
+    gsl_integration_qagp(&function, work->breaks, n, params->eps_abs, least_rel(params), work->adaptive->limit,
+                         work->adaptive, &out->value, &out->err);
+    out->err += adaptive_rounding(work->adaptive);
+end:
+    return result;
+}
+
+/* Its success means nothing: it is also what it ends with when it missed the tolerance. Its estimate tells. */
+static ssfr_result run_cquad(ssfr_integration *work, counted *f, const ssfr_integrate_params *params,
+                             ssfr_integral *out)
+{
+    enum { POINTS = 16 }; /* fewest of a piece */
+    gsl_function function = {counted_value, f};
+    const double *breaks = f->integrand->breaks;
+    ssfr_result result = SSFR_OK;
+    if (!work->cquad) work->cquad = gsl_integration_cquad_workspace_alloc(CQUAD_LIMIT);
+    if (!work->cquad) SSFR_TRY(ssfr_fail(SSFR_ERR_MEMORY, "no memory to integrate over %d pieces", CQUAD_LIMIT));
+    gsl_integration_cquad(&function, breaks[0], breaks[f->integrand->n_breaks - 1], params->eps_abs,
+                          least_rel(params), work->cquad, &out->value, &out->err, NULL);
+    out->err += DBL_EPSILON * (1 + (double)(f->n / POINTS)) * fabs(out->value);
+end:
+    return result;
+}
+
+static ssfr_result prepare_gauss(ssfr_integration *work, int points)
+{
+    if (work->gauss[points]) return SSFR_OK;
+    work->gauss[points] = gsl_integration_glfixed_table_alloc((size_t)points);
+    return work->gauss[points] ? SSFR_OK
+                               : ssfr_fail(SSFR_ERR_MEMORY, "no memory for %d points of Gauss and Legendre", points);
+}
+
+static double gauss_piece(const gsl_integration_glfixed_table *table, counted *f, double a, double b, double *size)
+{
+    sum s = {0};
+    for (size_t i = 0; i < table->n; i++) {
+        double t, weight;
+        gsl_integration_glfixed_point(a, b, i, &t, &weight, table);
+        sum_add(&s, weight * counted_value(t, f));
+    }
+    *size += s.size;
+    return s.value + s.lost;
+}
+
+static ssfr_result run_gauss(ssfr_integration *work, counted *f, const ssfr_integrate_params *params,
+                             ssfr_integral *out)
+{
+    const int points = params->points, other = points > 1 ? points / 2 : 2; /* one point has no half */
+    const double *breaks = f->integrand->breaks;
+    sum total = {0};
+    double size = 0;
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(prepare_gauss(work, points));
+    SSFR_TRY(prepare_gauss(work, other));
+    for (size_t i = 0; i + 1 < f->integrand->n_breaks; i++) {
+        const double fine = gauss_piece(work->gauss[points], f, breaks[i], breaks[i + 1], &size);
+        const double coarse = gauss_piece(work->gauss[other], f, breaks[i], breaks[i + 1], &size);
+        sum_add(&total, fine);
+        out->err += fabs(fine - coarse);
+    }
+    out->value = total.value + total.lost;
+    out->err += 2 * DBL_EPSILON * size;
+end:
+    return result;
+}
+
+static double midpoints(counted *f, double a, double b, int n, double *size)
+{
+    const double step = (b - a) / n;
+    sum s = {0};
+    for (int i = 0; i < n; i++) sum_add(&s, counted_value(a + (i + 0.5) * step, f));
+    *size += s.size * step;
+    return (s.value + s.lost) * step;
+}
+
+static ssfr_result run_steps(ssfr_integration *work, counted *f, const ssfr_integrate_params *params,
+                             ssfr_integral *out)
+{
+    (void)work;
+    const int n = params->steps;
+    const double a = f->integrand->breaks[0], b = f->integrand->breaks[f->integrand->n_breaks - 1];
+    double size = 0;
+    out->value = midpoints(f, a, b, n, &size);
+    out->err = fabs(out->value - midpoints(f, a, b, n > 1 ? n / 2 : 2, &size)) + 2 * DBL_EPSILON * size;
+    return SSFR_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
+typedef ssfr_result rule(ssfr_integration *work, counted *f, const ssfr_integrate_params *params, ssfr_integral *out);
+
+static rule *const rules[SSFR_N_INTEGRATORS] = {
+    [SSFR_INTEGRATOR_qags] = run_qags,   [SSFR_INTEGRATOR_qagp] = run_qagp,   [SSFR_INTEGRATOR_cquad] = run_cquad,
+    [SSFR_INTEGRATOR_gauss] = run_gauss, [SSFR_INTEGRATOR_steps] = run_steps,
+};
+
+static ssfr_result check(ssfr_integrator_id id, const ssfr_integrand *integrand, const ssfr_integrate_params *params)
+{
+    if (id >= SSFR_N_INTEGRATORS || !rules[id])
+        return ssfr_fail(SSFR_ERR_VALUE, "%s is no rule for functions",
+                         id < SSFR_N_INTEGRATORS ? ssfr_integrators[id].name : "this");
+    if (!(params->eps_abs >= 0 && params->eps_rel >= 0 && isfinite(params->eps_abs + params->eps_rel)))
+        return ssfr_fail(SSFR_ERR_VALUE, "eps_abs %g and eps_rel %g: tolerances are not negative", params->eps_abs,
+                         params->eps_rel);
+    if (id == SSFR_INTEGRATOR_gauss && (params->points < 1 || params->points > MAX_POINTS))
+        return ssfr_fail(SSFR_ERR_VALUE, "points %d: gauss has 1 to %d", params->points, MAX_POINTS);
+    if (id == SSFR_INTEGRATOR_steps && (params->steps < 1 || params->steps > MAX_STEPS))
+        return ssfr_fail(SSFR_ERR_VALUE, "steps %d: there are 1 to %d", params->steps, MAX_STEPS);
+    if (integrand->n_breaks < 2)
+        return ssfr_fail(SSFR_ERR_VALUE, "%zu break points: an integral has two ends", integrand->n_breaks);
+    for (size_t i = 0; i + 1 < integrand->n_breaks; i++)
+        if (!(integrand->breaks[i] <= integrand->breaks[i + 1] && isfinite(integrand->breaks[i]) &&
+              isfinite(integrand->breaks[i + 1])))
+            return ssfr_fail(SSFR_ERR_VALUE, "break points %zu and %zu are %g and %g: they rise and are finite", i, i + 1,
+                             integrand->breaks[i], integrand->breaks[i + 1]);
+    return SSFR_OK;
+}
+
+ssfr_result ssfr_integrate(ssfr_integration *work, ssfr_integrator_id id, const ssfr_integrand *integrand,
+                           const ssfr_integrate_params *params, ssfr_integral *out)
+{
+    counted f = {integrand, 0, true};
+    *out = (ssfr_integral){0};
+    ssfr_result result = check(id, integrand, params);
+    if (result != SSFR_OK) return result;
+    if (integrand->breaks[0] < integrand->breaks[integrand->n_breaks - 1]) SSFR_TRY(rules[id](work, &f, params, out));
+    out->evaluations = f.n;
+    if (!isfinite(out->value)) out->value = 0, f.finite = false;
+    if (!f.finite || !isfinite(out->err)) out->err = INFINITY;
+    const double asked = fmax(params->eps_abs, params->eps_rel * fabs(out->value));
+    out->converged = params->eps_abs + params->eps_rel > 0 && out->err <= asked;
+end:
+    return result;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
+static void keep_gsl_from_aborting(void)
+{
+    gsl_set_error_handler_off();
+}
+
+ssfr_result ssfr_integration_create(ssfr_integration **out)
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, keep_gsl_from_aborting);
+    *out = NULL;
+    return ssfr_alloc(out, 1, sizeof **out, "work space for integrals");
+}
+
+void ssfr_integration_destroy(ssfr_integration **work)
+{
+    if (!*work) return;
+    gsl_integration_workspace_free((*work)->adaptive);
+    gsl_integration_cquad_workspace_free((*work)->cquad);
+    for (int i = 0; i <= MAX_POINTS; i++)
+        if ((*work)->gauss[i]) gsl_integration_glfixed_table_free((*work)->gauss[i]);
+    free((*work)->breaks);
+    free(*work);
+    *work = NULL;
+}
