@@ -35,7 +35,8 @@ void ssfr_extinction_finish(ssfr_extinction *extinction);
 typedef struct ssfr_radiance {
     double colour[3];      /* collected, before what is behind */
     double transmittance;  /* share of what is behind that comes through, [0, 1] */
-    double err;            /* of any channel, absolute; of the transmittance it is far less */
+    double err;            /* of any channel and of the transmittance, absolute: the rule's own estimate, and rounding */
+    bool closed;           /* by the closed form alone */
     size_t evaluations;
 } ssfr_radiance;
 
