@@ -25,9 +25,14 @@ typedef struct ssfr_line {
     double from, to;           /* m */
     size_t n, capacity;
     ssfr_line_kernel *kernels; /* in the order of `enters`, then of index */
-    double digits;             /* m, what rounding may have moved a kernel along the ray, at most */
+    double longest;            /* m, of all of them, from enters to leaves */
+    double digits;             /* m, what rounding may have moved a kernel, at most */
+    double hidden;             /* m, of spheres: chords that rounding may have hidden */
     double *breaks;            /* see ssfr_line_breaks */
     size_t breaks_capacity;
+    ssfr_line_kernel *spare;   /* scratch, as the following */
+    struct ssfr_line_key *keys;
+    uint32_t *begins;
 } ssfr_line;
 
 /* One thread's; used again and again it soon allocates no more. */
@@ -38,7 +43,8 @@ void ssfr_line_finish(ssfr_line *line);
 SSFR_MUST ssfr_result ssfr_line_cast(ssfr_line *line, const ssfr_ray *ray, double from, double to);
 
 /* sum weight w at t: rho / rho_0, the number of balls, or an extinction in 1/m. Which kernels may reach t is found by
- * bisection: cheap, but who asks for many rising t should keep a window of its own. */
+ * bisection: they enter before t by no more than the longest of all is long. Cheap, but who asks for many rising t
+ * should keep a window of its own. */
 double ssfr_line_density(const ssfr_line *line, double t);
 /* The closed form of its integral from a to b, within [from, to], and a bound on what rounding does to it, which may
  * be NULL. */

@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* line.c: the kernels along a ray, in the order in which it enters them. */
+#include "experiments/truth/line.h"
+
+#include <float.h>
+
+/* What a place along the ray that is measured from its origin may be off by, relative to the longest of what it is made
+ * of: three products and their sum, the place itself, and the kernel's own place. */
+static const double place_error = 4 * DBL_EPSILON;
+
+void ssfr_line_init(ssfr_line *line, const ssfr_continuum *fluid)
+{
+    *line = (ssfr_line){.fluid = fluid};
+}
+
+void ssfr_line_finish(ssfr_line *line)
+{
+    free(line->kernels);
+    free(line->spare);
+    free(line->keys);
+    free(line->begins);
+    free(line->breaks);
+    *line = (ssfr_line){0};
+}
+
+/* ---- gathering --------------------------------------------------------------------------------------------------- */
+
+typedef struct ssfr_line_key {
+    double at; /* m */
+    uint32_t index, slot;
+} key;
+
+/* Room for `more` kernels beside those that are there. */
+static ssfr_result reserve(ssfr_line *line, size_t more)
+{
+    ssfr_result result = SSFR_OK;
+    const size_t wanted = 2 * (line->n + more);
+    ssfr_line_kernel *kernels = NULL, *spare = NULL;
+    key *keys = NULL;
+    uint32_t *begins = NULL;
+    if (line->n + more <= line->capacity) return SSFR_OK;
+    SSFR_TRY(ssfr_alloc(&kernels, wanted, sizeof *kernels, "kernels along a ray"));
+    SSFR_TRY(ssfr_alloc(&spare, wanted, sizeof *spare, "kernels along a ray"));
+    SSFR_TRY(ssfr_alloc(&keys, 2 * wanted, sizeof *keys, "kernels along a ray"));
+    SSFR_TRY(ssfr_alloc(&begins, wanted + 1, sizeof *begins, "kernels along a ray"));
+    if (line->n > 0) memcpy(kernels, line->kernels, line->n * sizeof *kernels);
+    free(line->kernels), free(line->spare), free(line->keys), free(line->begins);
+    line->kernels = kernels, line->spare = spare, line->keys = keys, line->begins = begins;
+    line->capacity = wanted;
+    kernels = spare = NULL, keys = NULL, begins = NULL;
+end:
+    free(kernels), free(spare), free(keys), free(begins);
+    return result;
+}
+
+/* The squared distance from the kernel's middle, in supports, where the ray is nearest to it as the kernel measures; its
+ * speed there. Measured from the place that is nearest in metres: stretching then magnifies no rounding. */
+static void measure_stretched(const double inverse[6], double support, const double dir[3], ssfr_line_kernel *k)
+{
+    const double *m = inverse, *o = k->aside;
+    const double p[3] = {m[0] * o[0] + m[1] * o[1] + m[2] * o[2], m[1] * o[0] + m[3] * o[1] + m[4] * o[2],
+                         m[2] * o[0] + m[4] * o[1] + m[5] * o[2]};
+    const double v[3] = {m[0] * dir[0] + m[1] * dir[1] + m[2] * dir[2], m[1] * dir[0] + m[3] * dir[1] + m[4] * dir[2],
+                         m[2] * dir[0] + m[4] * dir[1] + m[5] * dir[2]};
+    const double speed2 = ssfr_dot(v, v), further = -ssfr_dot(p, v) / speed2;
+    const double nearest[3] = {p[0] + further * v[0], p[1] + further * v[1], p[2] + further * v[2]};
+    k->near2 = ssfr_dot(nearest, nearest) / (support * support);
+    k->stretch = speed2 / (support * support);
+    k->middle += further;
+    for (int c = 0; c < 3; c++) k->aside[c] += further * dir[c];
+}
+
+typedef struct gathering {
+    ssfr_line *line;
+    ssfr_result result;
+    double farthest; /* m from the ray's origin to where it is nearest to a kernel */
+} gathering;
+
+/* Spheres of which rounding may hide that the ray meets them, just so. */
+static void note_hidden(ssfr_line *line, double middle, double near2)
+{
+    const double support = line->fluid->support;
+    double from_origin = 0;
+    for (int c = 0; c < 3; c++) from_origin += fabs(line->ray.origin[c]);
+    const double off = place_error * (from_origin + fabs(middle) + support) / support;
+    if (near2 < 1 + 4 * off) line->hidden += 2 * support * sqrt(4 * off);
+}
+
+static bool gather(void *user, uint32_t begin, uint32_t end)
+{
+    gathering *g = user;
+    ssfr_line *line = g->line;
+    const ssfr_continuum *fluid = line->fluid;
+    const double *origin = line->ray.origin, *dir = line->ray.dir;
+    const double support = fluid->support, per_support2 = 1 / (support * support);
+    g->result = reserve(line, end - begin);
+    if (g->result != SSFR_OK) return false;
+    for (uint32_t i = begin; i < end; i++) {
+        ssfr_line_kernel *k = line->kernels + line->n;
+        const double *centre = fluid->centre[i];
+        const double to[3] = {origin[0] - centre[0], origin[1] - centre[1], origin[2] - centre[2]};
+        const double middle = -ssfr_dot(to, dir);
+        for (int c = 0; c < 3; c++) k->aside[c] = to[c] + middle * dir[c];
+        k->middle = middle;
+        k->near2 = ssfr_dot(k->aside, k->aside) * per_support2;
+        k->stretch = per_support2;
+        k->weight = fluid->weights ? fluid->weights[i] : fluid->weight;
+        k->index = i;
+        if (fluid->inverse) measure_stretched(fluid->inverse[i], support, dir, k);
+        g->farthest = fmax(g->farthest, fabs(middle));
+        if (!(k->near2 < 1)) {
+            if (!fluid->radial) note_hidden(line, middle, k->near2);
+            continue;
+        }
+        const double half = sqrt((1 - k->near2) / k->stretch);
+        k->enters = k->middle - half;
+        k->leaves = k->middle + half;
+        if (!(k->leaves > line->from && k->enters < line->to)) continue;
+        line->longest = fmax(line->longest, k->leaves - k->enters);
+        line->n++;
+    }
+    return true;
+}
+
+/* ---- sorting ----------------------------------------------------------------------------------------------------- */
+
+static bool is_before(const key *a, const key *b)
+{
+    return a->at < b->at || (a->at == b->at && a->index < b->index);
+}
+
+static int compare(const void *a, const void *b)
+{
+    return is_before(a, b) ? -1 : is_before(b, a);
+}
+
+static void insert_each(key *keys, size_t n)
+{
+    for (size_t i = 1; i < n; i++) {
+        const key one = keys[i];
+        size_t at = i;
+        for (; at > 0 && is_before(&one, &keys[at - 1]); at--) keys[at] = keys[at - 1];
+        keys[at] = one;
+    }
+}
+
+/* Sorts keys[n] by way of spare[n]: into as many equal stretches of the line as there are keys, as places along a ray
+ * lie there evenly enough, then each stretch. `begins` has n + 1 places. */
+static void sort(key *keys, key *spare, uint32_t *begins, size_t n)
+{
+    enum { FEW = 24 }; /* below that inserting beats qsort */
+    double lo = INFINITY, hi = -INFINITY;
+    for (size_t i = 0; i < n; i++) lo = fmin(lo, keys[i].at), hi = fmax(hi, keys[i].at);
+    const double per_m = hi - lo > DBL_MIN * (double)n ? (double)n / (hi - lo) : 0;
+    memset(begins, 0, (n + 1) * sizeof *begins);
+#define STRETCH(k) ((size_t)ssfr_clamp(((k).at - lo) * per_m, 0, (double)(n - 1)))
+    for (size_t i = 0; i < n; i++) begins[STRETCH(keys[i]) + 1]++;
+    for (size_t i = 0; i < n; i++) begins[i + 1] += begins[i];
+    for (size_t i = 0; i < n; i++) spare[begins[STRETCH(keys[i])]++] = keys[i];
+#undef STRETCH
+    /* Each begin has moved to its stretch's end. */
+    for (size_t i = 0, begin = 0; i < n; begin = begins[i++]) {
+        const size_t count = begins[i] - begin;
+        if (count > FEW)
+            qsort(spare + begin, count, sizeof *spare, compare);
+        else
+            insert_each(spare + begin, count);
+    }
+}
+
+/* Puts the kernels into the order of their enters. */
+static void put_in_order(ssfr_line *line)
+{
+    key *keys = line->keys, *sorted = keys + line->capacity;
+    ssfr_line_kernel *kernels = line->spare;
+    if (line->n < 2) return;
+    for (size_t i = 0; i < line->n; i++) keys[i] = (key){line->kernels[i].enters, line->kernels[i].index, (uint32_t)i};
+    sort(keys, sorted, line->begins, line->n);
+    for (size_t i = 0; i < line->n; i++) kernels[i] = line->kernels[sorted[i].slot];
+    line->spare = line->kernels;
+    line->kernels = kernels;
+}
+
+ssfr_result ssfr_line_cast(ssfr_line *line, const ssfr_ray *ray, double from, double to)
+{
+    gathering g = {.line = line};
+    double from_origin = 0; /* m, of the fluid */
+    line->ray = *ray;
+    line->from = from;
+    line->to = to;
+    line->n = 0;
+    line->longest = line->hidden = 0;
+    ssfr_boxes_along(&line->fluid->boxes, ray, from, to, gather, &g);
+    if (g.result != SSFR_OK) {
+        line->n = 0;
+        return g.result;
+    }
+    for (int c = 0; c < 3; c++) from_origin += fabs(ray->origin[c]);
+    line->digits = place_error * (from_origin + g.farthest + line->longest);
+    put_in_order(line);
+    return SSFR_OK;
+}
+
+/* ---- the fluid along the line ------------------------------------------------------------------------------------ */
+
+/* The first kernel that may reach t: all before it have left. */
+static size_t first_at(const ssfr_line *line, double t)
+{
+    /* What leaves - enters was rounded by. */
+    const double least = t - line->longest - 2 * DBL_EPSILON * (fabs(t) + line->longest);
+    size_t begin = 0, end = line->n;
+    while (begin < end) {
+        const size_t middle = begin + (end - begin) / 2;
+        if (line->kernels[middle].enters < least)
+            begin = middle + 1;
+        else
+            end = middle;
+    }
+    return begin;
+}
+
+double ssfr_line_density(const ssfr_line *line, double t)
+{
+    const ssfr_radial *radial = line->fluid->radial;
+    double sum = 0;
+    for (size_t i = first_at(line, t); i < line->n && line->kernels[i].enters <= t; i++) {
+        const ssfr_line_kernel *k = line->kernels + i;
+        if (t > k->leaves) continue;
+        const double along = t - k->middle;
+        sum += k->weight * (radial ? ssfr_radial_value(radial, sqrt(k->near2 + k->stretch * along * along)) : 1);
+    }
+    return sum;
+}
+
+/* A sum to which each term adds no more than its own rounding (Neumaier 1974). */
+typedef struct exact_sum {
+    double sum, lost;
+} exact_sum;
+
+static void add(exact_sum *s, double term)
+{
+    const double sum = s->sum + term;
+    s->lost += fabs(s->sum) >= fabs(term) ? (s->sum - sum) + term : (term - sum) + s->sum;
+    s->sum = sum;
+}
+
+/* What the line collects of one kernel between two places in its support, m times its weight's unit. */
+static double chord_of(const ssfr_radial *radial, const ssfr_line_kernel *k, double a, double b)
+{
+    const double speed = sqrt(k->stretch), aside = sqrt(k->near2);
+    if (a <= k->enters && b >= k->leaves) return k->weight * 2 * ssfr_radial_chord(radial, aside, 1) / speed;
+    const double before = a <= k->enters ? -1 : (a - k->middle) * speed;
+    const double after = b >= k->leaves ? 1 : (b - k->middle) * speed;
+    return k->weight * (ssfr_radial_chord(radial, aside, after) - ssfr_radial_chord(radial, aside, before)) / speed;
+}
+
+/* How a kernel's chord may change when the kernel is moved by `off` supports, over its length unit and weight. Along the
+ * ray: by what stands at the two ends. Aside: the slope of w along its radius is q steepness(q) <= steepness(0), over a
+ * way of 2 at most. */
+static double kernel_slack(const ssfr_radial *radial)
+{
+    return 2 * ssfr_radial_value(radial, 0) + 2 * ssfr_radial_steepness(radial, 0);
+}
+
+/* The same of a sphere, whose half chord is sqrt(1 - near2): steep where the ray grazes it. */
+static double sphere_slack(const ssfr_line_kernel *k, double off)
+{
+    const double rim = (2 + off) * off, half = sqrt(1 - k->near2);
+    return 2 * off + 2 * (half > 0 ? fmin(rim / half, sqrt(rim)) : sqrt(rim));
+}
+
+double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err)
+{
+    const double chord_error = 4 * DBL_EPSILON; /* of ssfr_radial_chord and the factors beside it, relative to the longest */
+    const ssfr_radial *radial = line->fluid->radial;
+    const double slack = radial ? kernel_slack(radial) : 0;
+    const double longest = radial ? 2 * ssfr_radial_chord(radial, 0, 1) : 2;
+    exact_sum sum = {0, 0};
+    double doubt = 0;
+    for (size_t i = a < b ? first_at(line, a) : line->n; i < line->n && line->kernels[i].enters < b; i++) {
+        const ssfr_line_kernel *k = line->kernels + i;
+        if (k->leaves <= a) continue;
+        const double speed = sqrt(k->stretch), off = line->digits * speed;
+        const double sphere = fmin(b, k->leaves) - fmax(a, k->enters);
+        add(&sum, radial ? chord_of(radial, k, a, b) : k->weight * sphere);
+        doubt += k->weight / speed * (chord_error * longest + (radial ? slack * off : sphere_slack(k, off)));
+    }
+    const double total = sum.sum + sum.lost;
+    if (err) *err = doubt + line->hidden + DBL_EPSILON * fabs(total);
+    return total;
+}
+
+/* ---- breaks ------------------------------------------------------------------------------------------------------ */
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static ssfr_result reserve_breaks(ssfr_line *line, size_t n)
+{
+    ssfr_result result = SSFR_OK;
+    double *breaks = NULL;
+    if (n <= line->breaks_capacity) return SSFR_OK;
+    SSFR_TRY(ssfr_alloc(&breaks, 2 * n, sizeof *breaks, "break points"));
+    free(line->breaks);
+    line->breaks = breaks;
+    line->breaks_capacity = 2 * n;
+end:
+    return result;
+}
+
+ssfr_result ssfr_line_breaks(ssfr_line *line, double a, double b, size_t *n, const double **breaks)
+{
+    ssfr_result result = SSFR_OK;
+    size_t found = 0, kept = 1;
+    *n = 0;
+    *breaks = NULL;
+    SSFR_TRY(reserve_breaks(line, 2 * line->n + 2));
+    double *all = line->breaks;
+    all[found++] = a;
+    for (size_t i = 0; i < line->n; i++) {
+        const ssfr_line_kernel *k = line->kernels + i;
+        if (k->enters > a && k->enters < b) all[found++] = k->enters;
+        if (k->leaves > a && k->leaves < b) all[found++] = k->leaves;
+    }
+    all[found++] = b;
+    qsort(all, found, sizeof *all, by_value);
+    for (size_t i = 1; i < found; i++)
+        if (all[i] > all[kept - 1]) all[kept++] = all[i];
+    *n = kept;
+    *breaks = all;
+end:
+    return result;
+}
