@@ -10,15 +10,17 @@
 
 #include "experiments/truth/ray.h"
 
-/* How a ray that hits goes on. */
+/* Where reflected rays go. */
 enum {
-    SSFR_REFLECTIONS_RECURSIVE,  /* reflected rays are followed as refracted ones are */
-    SSFR_REFLECTIONS_BACKGROUND, /* they take what is behind everything in their direction (Imai 2016, eq. 11 ff.); a ray that
-                                  * is reflected whole takes that, too */
+    SSFR_REFLECTIONS_RECURSIVE,  /* on, as refracted ones do */
+    SSFR_REFLECTIONS_BACKGROUND, /* into the sky, at once (Imai 2016, eqs 6 to 8); see light.c */
 };
 
+enum { SSFR_LIGHT_DEPTH = 64 }; /* the largest depth */
+#define SSFR_LIGHT_IOR 1e3 /* the largest ratio of two indices, and the inverse of the smallest */
+
 typedef struct ssfr_light_params {
-    int depth;         /* the most crossings on one path, [0, 64] */
+    int depth;         /* the most crossings on one path, [0, SSFR_LIGHT_DEPTH] */
     double least;      /* a path whose weight (the largest of its channels) is below it ends, (0, 1) */
     int reflections;
 } ssfr_light_params;
@@ -30,25 +32,31 @@ typedef struct ssfr_refractor {
     void *user; /* one thread's */
     /* The first crossing at t in (0, to), of a ray that begins inside or outside as said, perhaps on the surface. */
     ssfr_result (*first)(void *user, const ssfr_ray *ray, double to, bool inside, ssfr_crossing *out, bool *found);
-    /* What a medium between 0 and to (m) adds and lets through, and the error of that; NULL: nothing floats there. */
-    ssfr_result (*between)(void *user, const ssfr_ray *ray, double to, double colour[3], double *transmittance,
-                           double *err);
-    double ior;           /* (0, inf), inside over outside */
+    /* What floats between from and to (m, `to` may be infinite) adds and which share it lets through, as if it were in
+     * a void, and a bound on the error of both; NULL: nothing floats. */
+    ssfr_result (*between)(void *user, const ssfr_ray *ray, double from, double to, double colour[3],
+                           double *transmittance, double *err);
+    double ior;           /* [1 / SSFR_LIGHT_IOR, SSFR_LIGHT_IOR], inside over outside */
     double absorption[3]; /* 1/m, [0, inf) */
-    double colour[3];     /* of infinitely thick fluid */
+    double colour[3];     /* of infinitely thick fluid, [0, inf) */
+    double brightest;     /* no radiance of what floats is above it */
 } ssfr_refractor;
 
-/* All else. */
+/* All else. All threads' at once. */
 typedef struct ssfr_surroundings {
     void *user;
-    /* The radiance along the ray; gives t of what it hits (m, infinite for the sky). solids false: of the sky alone. */
+    /* The radiance along the ray; gives t of what it hits (m, infinite for the sky). */
     double (*trace)(void *user, const ssfr_ray *ray, double colour[3]);
-    double brightest; /* no radiance is above it: for the error of paths that ended */
+    /* The radiance of the sky in a unit direction, whatever stands before it. */
+    void (*sky)(void *user, const double dir[3], double colour[3]);
+    double darkest, brightest; /* no radiance is below or above: for the error of paths that ended. darkest: <= 0 */
 } ssfr_surroundings;
 
 typedef struct ssfr_lit {
     double colour[3];   /* radiance */
-    double err;         /* of any channel: what paths that ended early could have added, plus the errors of `between` */
+    double err;         /* of any channel, a bound: what paths that ended early could have brought instead of the sky, and
+                         * what the radiance of things that float is wrong by. That crossings lie elsewhere by their own
+                         * errors is not in it, nor is rounding */
     /* Where the light went, of 1 that came, for the channel with the least absorption: sums to 1. */
     double escaped;     /* into the surroundings */
     double absorbed;    /* in the body, and by what floats */
@@ -56,7 +64,8 @@ typedef struct ssfr_lit {
     int n_paths, n_crossings;
 } ssfr_lit;
 
-/* Follows the ray, which begins inside the body or outside. No recursion deeper than the params' depth. */
+/* Follows the ray, which begins inside the body or outside. No recursion: what waits stands on a stack as high as the
+ * params' depth. */
 SSFR_MUST ssfr_result ssfr_light_follow(const ssfr_refractor *refractor, const ssfr_surroundings *around,
                                         const ssfr_light_params *params, const ssfr_ray *ray, bool inside,
                                         ssfr_lit *out);
@@ -66,7 +75,8 @@ SSFR_MUST ssfr_result ssfr_light_follow(const ssfr_refractor *refractor, const s
 /* Share of unpolarised light that is reflected; cosine of the angle of incidence in [0, 1]; ratio: the index of refraction on
  * the far side over that on the near one. 1 when all of it is. */
 double ssfr_fresnel(double cosine, double ratio);
-/* The unit directions in which light from dir (unit) goes on; normal: unit, against dir. False: nothing is refracted. */
+/* The unit directions in which light from dir (unit) goes on; normal: unit, against dir. False: nothing is refracted. With a
+ * ratio of 1 the direction stays as it is, bit for bit. */
 bool ssfr_refract(const double dir[3], const double normal[3], double ratio, double out[3]);
 void ssfr_reflect(const double dir[3], const double normal[3], double out[3]);
 
