@@ -156,16 +156,35 @@ static ssfr_result prepare_gauss(ssfr_integration *work, int points)
                                : ssfr_fail(SSFR_ERR_MEMORY, "no memory for %d points of Gauss and Legendre", points);
 }
 
-static double gauss_piece(const gsl_integration_glfixed_table *table, counted *f, double a, double b, double *size)
+/* What rounding may change: the sum by the digits of its terms, and of its places, which count as the function varies. */
+typedef struct samples {
+    sum terms;
+    double last, variation;
+    bool any;
+} samples;
+
+static void samples_add(samples *s, double value, double weight)
 {
-    sum s = {0};
+    s->variation += s->any ? fabs(value - s->last) : 0;
+    s->last = value, s->any = true;
+    sum_add(&s->terms, weight * value);
+}
+
+static double samples_end(const samples *s, double a, double b, double *rounding)
+{
+    *rounding += DBL_EPSILON * (2 * s->terms.size + fmax(fabs(a), fabs(b)) * s->variation);
+    return s->terms.value + s->terms.lost;
+}
+
+static double gauss_piece(const gsl_integration_glfixed_table *table, counted *f, double a, double b, double *rounding)
+{
+    samples s = {0};
     for (size_t i = 0; i < table->n; i++) {
         double t, weight;
         gsl_integration_glfixed_point(a, b, i, &t, &weight, table);
-        sum_add(&s, weight * counted_value(t, f));
+        samples_add(&s, counted_value(t, f), weight);
     }
-    *size += s.size;
-    return s.value + s.lost;
+    return samples_end(&s, a, b, rounding);
 }
 
 static ssfr_result run_gauss(ssfr_integration *work, counted *f, const ssfr_integrate_params *params,
@@ -174,29 +193,28 @@ static ssfr_result run_gauss(ssfr_integration *work, counted *f, const ssfr_inte
     const int points = params->points, other = points > 1 ? points / 2 : 2; /* one point has no half */
     const double *breaks = f->integrand->breaks;
     sum total = {0};
-    double size = 0;
+    double rounding = 0;
     ssfr_result result = SSFR_OK;
     SSFR_TRY(prepare_gauss(work, points));
     SSFR_TRY(prepare_gauss(work, other));
     for (size_t i = 0; i + 1 < f->integrand->n_breaks; i++) {
-        const double fine = gauss_piece(work->gauss[points], f, breaks[i], breaks[i + 1], &size);
-        const double coarse = gauss_piece(work->gauss[other], f, breaks[i], breaks[i + 1], &size);
+        const double fine = gauss_piece(work->gauss[points], f, breaks[i], breaks[i + 1], &rounding);
+        const double coarse = gauss_piece(work->gauss[other], f, breaks[i], breaks[i + 1], &rounding);
         sum_add(&total, fine);
         out->err += fabs(fine - coarse);
     }
     out->value = total.value + total.lost;
-    out->err += 2 * DBL_EPSILON * size;
+    out->err += rounding + 2 * DBL_EPSILON * fabs(out->value);
 end:
     return result;
 }
 
-static double midpoints(counted *f, double a, double b, int n, double *size)
+static double midpoints(counted *f, double a, double b, int n, double *rounding)
 {
     const double step = (b - a) / n;
-    sum s = {0};
-    for (int i = 0; i < n; i++) sum_add(&s, counted_value(a + (i + 0.5) * step, f));
-    *size += s.size * step;
-    return (s.value + s.lost) * step;
+    samples s = {0};
+    for (int i = 0; i < n; i++) samples_add(&s, counted_value(a + (i + 0.5) * step, f), step);
+    return samples_end(&s, a, b, rounding);
 }
 
 static ssfr_result run_steps(ssfr_integration *work, counted *f, const ssfr_integrate_params *params,
@@ -205,9 +223,9 @@ static ssfr_result run_steps(ssfr_integration *work, counted *f, const ssfr_inte
     (void)work;
     const int n = params->steps;
     const double a = f->integrand->breaks[0], b = f->integrand->breaks[f->integrand->n_breaks - 1];
-    double size = 0;
-    out->value = midpoints(f, a, b, n, &size);
-    out->err = fabs(out->value - midpoints(f, a, b, n > 1 ? n / 2 : 2, &size)) + 2 * DBL_EPSILON * size;
+    double rounding = 0;
+    out->value = midpoints(f, a, b, n, &rounding);
+    out->err = fabs(out->value - midpoints(f, a, b, n > 1 ? n / 2 : 2, &rounding)) + rounding;
     return SSFR_OK;
 }
 
@@ -237,8 +255,8 @@ static ssfr_result check(ssfr_integrator_id id, const ssfr_integrand *integrand,
     for (size_t i = 0; i + 1 < integrand->n_breaks; i++)
         if (!(integrand->breaks[i] <= integrand->breaks[i + 1] && isfinite(integrand->breaks[i]) &&
               isfinite(integrand->breaks[i + 1])))
-            return ssfr_fail(SSFR_ERR_VALUE, "break points %zu and %zu are %g and %g: they rise and are finite", i, i + 1,
-                             integrand->breaks[i], integrand->breaks[i + 1]);
+            return ssfr_fail(SSFR_ERR_VALUE, "break points %zu and %zu are %g and %g: they rise and are finite", i,
+                             i + 1, integrand->breaks[i], integrand->breaks[i + 1]);
     return SSFR_OK;
 }
 

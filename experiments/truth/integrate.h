@@ -38,7 +38,7 @@ typedef struct ssfr_integrate_params {
 typedef struct ssfr_integral {
     double value;
     double err;           /* the rule's own estimate of its absolute error (GSL's abserr; gauss: the difference to half
-                           * the points; steps: to half as many), plus what rounding of the sum may do; never less than 0 */
+                           * the points; steps: to half as many), plus what rounding may do; at least 0 */
     size_t evaluations;
     bool converged;       /* err is within what was asked; always false for none asked */
 } ssfr_integral;

@@ -14,6 +14,7 @@ typedef struct ssfr_radial {
     double (*steepness)(double q);
     double (*both)(double q, double *steepness);
     double (*chord)(double b, double s);
+    double chord_err; /* bound on the absolute error of a chord that rounding leaves */
 } ssfr_radial;
 
 enum { SSFR_N_RADIALS = 3 };
