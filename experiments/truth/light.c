@@ -60,9 +60,11 @@ bool ssfr_refract(const double dir[3], const double normal[3], double ratio, dou
     return true;
 }
 
+/* Over the square of the normal, which is 1 but for rounding: else a ray that goes round in a drop would get longer at
+ * each reflection, by a factor. */
 void ssfr_reflect(const double dir[3], const double normal[3], double out[3])
 {
-    const double turn = 2 * ssfr_dot(dir, normal);
+    const double turn = 2 * ssfr_dot(dir, normal) / ssfr_dot(normal, normal);
     for (int k = 0; k < 3; k++) out[k] = dir[k] - turn * normal[k];
 }
 
