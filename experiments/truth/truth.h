@@ -84,14 +84,15 @@ typedef struct ssfr_truth_stats {
     size_t rays, crossings, touches, judged;
     double judged_max;    /* m, the largest disagreement of the closed form with GSL's integral */
     double judged_ratio;  /* the same over the sum of both estimates: above 1 one of them is wrong */
-    double seconds;       /* that casting took in all, also before it was stopped and resumed */
-    double bytes;         /* of the fluid's arrays */
+    double seconds;       /* that casting took all threads together, also before it was stopped and resumed */
+    double bytes;         /* of the fluid's and the foam's arrays; 0 when nothing had to be cast */
     bool cached;          /* nothing had to be cast */
 } ssfr_truth_stats;
 
 typedef struct ssfr_truth {
     int w, h;
     unsigned parts;
+    int every;
     ssfr_field *channels[SSFR_N_TRUTH_CHANNELS]; /* NULL for parts that were not asked for */
     ssfr_field *cast; /* 1 where a pixel was cast, 0 elsewhere, where all channels hold their empty values */
     ssfr_truth_stats stats;
