@@ -126,8 +126,9 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_UTIL_OBJ) $(APP) $(METRICS
 	@echo "LD   $@"
 	$(Q)$(CC) $(OPT) -fopenmp -o $@ $^ $(LDFLAGS) $(call PKG,--libs cmocka) $(APP_LIBS) $(METRICS_LIBS) $(LIB_LIBS)
 
-# Counts what the library allocates, and makes it run out of memory.
-$(BUILD)/tests/test_allocations: private LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
+# They count what is allocated, and make it run out of memory.
+$(BUILD)/tests/test_allocations $(BUILD)/tests/test_continuum: \
+  private LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 check: deps
 	+@$(SUBMAKE) test

@@ -4,8 +4,8 @@
 
 #include <float.h>
 
-/* Each of what a slab's distance is made of (a difference, an inverse and a product) is off by DBL_EPSILON / 2 of itself
- * at most: twice as much for all three is wide enough. */
+/* Each of what a slab's distance is made of (a difference, an inverse and a product) is off by at most DBL_EPSILON / 2
+ * of itself: twice as much for all three is wide enough. */
 static const double slab_margin = 2 * 1.5 * DBL_EPSILON;
 
 /* ---- building ---------------------------------------------------------------------------------------------------- */

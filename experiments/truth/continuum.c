@@ -17,8 +17,7 @@ const ssfr_param ssfr_continuum_rows[] = {
     SSFR_PARAM_CHOICE(ssfr_continuum_params, kernel, ssfr_radial_names, 0, "of densities"),
     REAL(level, 0.5, 1e-3, 0.999, "of density and anisotropic: density at the surface, over that of rest"),
     REAL(support, SSFR_SUPPORT, 1, 64, "where the kernels end, in particle radii"),
-    REAL(size, 1, 0.01, 100, "of spheres: their radius; of zhu_bridson: the surface's distance to the mean; in particle "
-                             "radii"),
+    REAL(size, 1, 0.01, 100, "of spheres: the radius; of zhu_bridson: from the mean to the surface; in particle radii"),
     SSFR_PARAM_END,
 };
 

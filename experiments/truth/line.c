@@ -53,8 +53,8 @@ end:
     return result;
 }
 
-/* The squared distance from the kernel's middle, in supports, where the ray is nearest to it as the kernel measures; its
- * speed there. Measured from the place that is nearest in metres: stretching then magnifies no rounding. */
+/* Where the ray is nearest to the kernel as that measures distances, and how fast it is there. Measured from the place
+ * that is nearest in metres: stretching then magnifies no rounding. */
 static void measure_stretched(const double inverse[6], double support, const double dir[3], ssfr_line_kernel *k)
 {
     const double *m = inverse, *o = k->aside;
@@ -254,9 +254,8 @@ static double chord_of(const ssfr_radial *radial, const ssfr_line_kernel *k, dou
     return k->weight * (ssfr_radial_chord(radial, aside, after) - ssfr_radial_chord(radial, aside, before)) / speed;
 }
 
-/* How a kernel's chord may change when the kernel is moved by `off` supports, over its length unit and weight. Along the
- * ray: by what stands at the two ends. Aside: the slope of w along its radius is q steepness(q) <= steepness(0), over a
- * way of 2 at most. */
+/* How much a kernel's chord may change a support that the kernel is moved, in supports and of weight 1. Along the ray:
+ * what stands at its two ends. Aside: the slope of w along its radius is q steepness(q) <= steepness(0); the way is 2. */
 static double kernel_slack(const ssfr_radial *radial)
 {
     return 2 * ssfr_radial_value(radial, 0) + 2 * ssfr_radial_steepness(radial, 0);
@@ -271,7 +270,7 @@ static double sphere_slack(const ssfr_line_kernel *k, double off)
 
 double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err)
 {
-    const double chord_error = 4 * DBL_EPSILON; /* of ssfr_radial_chord and the factors beside it, relative to the longest */
+    const double chord_error = 4 * DBL_EPSILON; /* of ssfr_radial_chord and its factors, relative to the longest */
     const ssfr_radial *radial = line->fluid->radial;
     const double slack = radial ? kernel_slack(radial) : 0;
     const double longest = radial ? 2 * ssfr_radial_chord(radial, 0, 1) : 2;

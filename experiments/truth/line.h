@@ -14,8 +14,8 @@ typedef struct ssfr_line_kernel {
     double near2;          /* squared distance there, in supports */
     double stretch;        /* 1/m^2 */
     double weight;
-    double aside[3];       /* m, from the kernel's centre to the ray's place at t = middle; of zhu_bridson: what the mean
-                            * of places needs */
+    double aside[3];       /* m, from the kernel's centre to the ray's place at t = middle: what zhu_bridson's mean of
+                            * places needs */
     uint32_t index;        /* into the fluid's arrays */
 } ssfr_line_kernel;
 
