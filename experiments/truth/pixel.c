@@ -26,6 +26,7 @@ ssfr_result ssfr_truth_scene_init(ssfr_truth_scene *out, const ssfr_stage *stage
     SSFR_TRY(ssfr_continuum_init(&out->fluid, scene->particles, &params->fluid, &params->anisotropy));
     SSFR_TRY(ssfr_extinction_init(&out->foam, stage->foam, scene->particles->radius, out->fluid.origin,
                                   &params->extinction));
+    SSFR_TRY(ssfr_surroundings_create(&out->around, scene, &params->world, out->fluid.origin));
     for (int k = 0; k < 3; k++) out->eye[k] = scene->camera.eye[k] - out->fluid.origin[k];
 end:
     return result;
@@ -33,18 +34,31 @@ end:
 
 void ssfr_truth_scene_finish(ssfr_truth_scene *scene)
 {
+    ssfr_surroundings_destroy(&scene->around);
     ssfr_extinction_finish(&scene->foam);
     ssfr_continuum_finish(&scene->fluid);
+}
+
+static ssfr_integrate_params integrate_params(const ssfr_truth_cast_params *p)
+{
+    return (ssfr_integrate_params){.eps_abs = p->eps_abs, .eps_rel = p->eps_rel, .points = p->points,
+                                   .steps = p->steps};
 }
 
 ssfr_result ssfr_truth_worker_init(ssfr_truth_worker *out, const ssfr_truth_scene *scene)
 {
     ssfr_result result = SSFR_OK;
+    const ssfr_truth_params *p = scene->params;
     *out = (ssfr_truth_worker){.scene = scene};
     ssfr_line_init(&out->fluid, &scene->fluid);
     ssfr_line_init(&out->foam, &scene->foam.kernels);
     SSFR_TRY(ssfr_crossings_init(&out->crossings));
     SSFR_TRY(ssfr_integration_create(&out->integration));
+    if (p->cast.parts & SSFR_TRUTH_COLOUR) {
+        const ssfr_integrate_params integrals = integrate_params(&p->cast);
+        SSFR_TRY(ssfr_fluid_light_create(&out->light, &scene->fluid, &scene->foam, &p->world.medium,
+                                         (ssfr_integrator_id)p->cast.integrator, &integrals));
+    }
 end:
     if (result != SSFR_OK) ssfr_truth_worker_finish(out);
     return result;
@@ -52,6 +66,7 @@ end:
 
 void ssfr_truth_worker_finish(ssfr_truth_worker *worker)
 {
+    ssfr_fluid_light_destroy(&worker->light);
     ssfr_integration_destroy(&worker->integration);
     ssfr_crossings_finish(&worker->crossings);
     ssfr_line_finish(&worker->foam);
@@ -146,13 +161,6 @@ static double density_at(double t, void *user)
     return ssfr_line_density(user, t);
 }
 
-static ssfr_integrate_params integrate_params(const ssfr_truth_worker *w)
-{
-    const ssfr_truth_cast_params *p = &w->scene->params->cast;
-    return (ssfr_integrate_params){.eps_abs = p->eps_abs, .eps_rel = p->eps_rel, .points = p->points,
-                                   .steps = p->steps};
-}
-
 /* The part of the line that anything reaches: its own may be infinite. */
 static bool clip_line(const ssfr_line *line, double *a, double *b)
 {
@@ -166,7 +174,7 @@ static bool clip_line(const ssfr_line *line, double *a, double *b)
 static ssfr_result integrate(ssfr_truth_worker *w, ssfr_integrator_id id, double a, double b, ssfr_integral *out)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_integrate_params params = integrate_params(w);
+    const ssfr_integrate_params params = integrate_params(&w->scene->params->cast);
     ssfr_integrand integrand = {.value = density_at, .user = &w->fluid};
     SSFR_TRY(ssfr_line_breaks(&w->fluid, a, b, &integrand.n_breaks, &integrand.breaks));
     SSFR_TRY(ssfr_integrate(w->integration, id, &integrand, &params, out));
@@ -243,7 +251,7 @@ static ssfr_result tell_foam(ssfr_truth_worker *w, const view *v, double *values
 {
     ssfr_result result = SSFR_OK;
     const int *at = w->scene->tiles->at;
-    const ssfr_integrate_params params = integrate_params(w);
+    const ssfr_integrate_params params = integrate_params(&w->scene->params->cast);
     ssfr_radiance radiance;
     double a, b;
     if (w->scene->foam.kernels.n == 0 || v->hidden <= v->near) return SSFR_OK;
@@ -254,6 +262,26 @@ static ssfr_result tell_foam(ssfr_truth_worker *w, const view *v, double *values
     memcpy(values + at[SSFR_TRUTH_foam], radiance.colour, sizeof radiance.colour);
     values[at[SSFR_TRUTH_foam] + 3] = 1 - radiance.transmittance;
     values[at[SSFR_TRUTH_foam_err]] = radiance.err;
+end:
+    return result;
+}
+
+/* ---- light ------------------------------------------------------------------------------------------------------- */
+
+/* From the near plane on, be that inside the fluid or not. */
+static ssfr_result tell_colour(ssfr_truth_worker *w, const view *v, double *values)
+{
+    ssfr_result result = SSFR_OK;
+    const int *at = w->scene->tiles->at;
+    ssfr_ray ray = v->ray;
+    ssfr_lit lit;
+    bool inside;
+    ssfr_ray_at(&v->ray, v->near, ray.origin);
+    SSFR_TRY(ssfr_crossings_inside(&w->fluid, ray.origin, &inside));
+    SSFR_TRY(ssfr_light_follow(ssfr_fluid_light_refractor(w->light), w->scene->around, &w->scene->params->path, &ray, inside,
+                               &lit));
+    memcpy(values + at[SSFR_TRUTH_colour], lit.colour, sizeof lit.colour);
+    values[at[SSFR_TRUTH_colour_err]] = lit.err;
 end:
     return result;
 }
@@ -283,6 +311,7 @@ ssfr_result ssfr_truth_pixel(ssfr_truth_worker *worker, int x, int y, double *va
     tally->rays++;
     if (parts & (SSFR_TRUTH_SURFACE | SSFR_TRUTH_THICKNESS)) SSFR_TRY(tell_fluid(worker, &v, x, y, values, tally));
     if (parts & SSFR_TRUTH_FOAM) SSFR_TRY(tell_foam(worker, &v, values));
+    if (parts & SSFR_TRUTH_COLOUR) SSFR_TRY(tell_colour(worker, &v, values));
     SSFR_TRY(check_values(s->tiles, x, y, values));
 end:
     return result;

@@ -3,6 +3,8 @@
 #ifndef SSFR_TRUTH_PIXEL_H
 #define SSFR_TRUTH_PIXEL_H
 
+#include "experiments/truth/fluid_light.h"
+#include "experiments/truth/surroundings.h"
 #include "experiments/truth/tiles.h"
 
 /* What all rays have in common: constant while they are cast. */
@@ -12,6 +14,7 @@ typedef struct ssfr_truth_scene {
     const ssfr_scene *scene;
     ssfr_continuum fluid;
     ssfr_extinction foam;
+    ssfr_surroundings *around;
     double eye[3]; /* m, relative to the fluid's origin */
 } ssfr_truth_scene;
 
@@ -25,6 +28,7 @@ typedef struct ssfr_truth_worker {
     ssfr_line fluid, foam;
     ssfr_crossings crossings;
     ssfr_integration *integration;
+    ssfr_fluid_light *light; /* NULL when the colour is not asked for */
 } ssfr_truth_worker;
 
 SSFR_MUST ssfr_result ssfr_truth_worker_init(ssfr_truth_worker *out, const ssfr_truth_scene *scene);

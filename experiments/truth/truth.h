@@ -81,9 +81,9 @@ typedef struct ssfr_truth_options {
 } ssfr_truth_options;
 
 typedef struct ssfr_truth_stats {
-    size_t rays, crossings, touches, judged;
+    size_t rays, crossings, touches, judged; /* of view rays, not of those that light takes */
     double judged_max;    /* m, the largest disagreement of the closed form with GSL's integral */
-    double judged_ratio;  /* the same over the sum of both estimates: above 1 one of them is wrong */
+    double judged_ratio;  /* the same over the sum of both estimates. GSL's is no bound: a few are usual, many a mistake */
     double seconds;       /* that casting took all threads together, also before it was stopped and resumed */
     double bytes;         /* of the fluid's and the foam's arrays; 0 when nothing had to be cast */
     bool cached;          /* nothing had to be cast */

@@ -1,0 +1,443 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* test_truth_cache.c: tiles, and their file: nothing that happens to it changes a bit of the truth. */
+#include "tests/disk.h"
+#include "tests/truths.h"
+
+#include "experiments/interrupt.h"
+#include "experiments/truth/tiles.h"
+
+#include <inttypes.h>
+#include <omp.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static const char *const plain[] = {"truth.parts", "surface,thickness", "truth.kind", "spheres", NULL};
+
+/* 70 x 41 pixels: six tiles, of which the first is whole. */
+enum { W = 70, H = 41, N_TILES = 6 };
+
+static ssfr_stage *some_balls(void)
+{
+    static const double positions[] = {0, 0, 0, 0.31, 0.1, -0.2, -0.4, -0.23, 0.1}, eye[] = {0.2, 0.3, 2.385},
+                        target[] = {0, 0, 0};
+    return test_truth_stage(3, positions, 0.25, eye, target, W, H);
+}
+
+/* A folder that is not there yet, and the file that will be in it. */
+static const char *new_cache(void)
+{
+    static int n;
+    char name[32];
+    snprintf(name, sizeof name, "cache%d", n++);
+    return test_path(name);
+}
+
+static const char *file_of(const char *cache, const ssfr_stage *stage, const ssfr_truth_params *params,
+                           const ssfr_truth_options *options)
+{
+    static char path[1200];
+    snprintf(path, sizeof path, "%s/truth/%016" PRIx64 ".tiles", cache, ssfr_truth_key(stage, params, options));
+    return path;
+}
+
+static void remove_cache(const char *cache, const char *file)
+{
+    char folder[1100];
+    snprintf(folder, sizeof folder, "%s/truth", cache);
+    assert_int_equal(remove(file), 0);
+    assert_int_equal(rmdir(folder), 0);
+    assert_int_equal(rmdir(cache), 0);
+}
+
+/* ---- tiles ------------------------------------------------------------------------------------------------------- */
+
+/* How often each pixel is listed. */
+static void count_pixels(const ssfr_tiles *tiles, int *counts)
+{
+    for (int i = 0; i < tiles->n; i++) {
+        int pixels[SSFR_TRUTH_TILE_PIXELS][2];
+        const int n = ssfr_tiles_pixels(tiles, i, pixels);
+        assert_int_equal(n, tiles->first[i + 1] - tiles->first[i]);
+        for (int p = 0; p < n; p++) {
+            assert_int_equal(pixels[p][1] / SSFR_TRUTH_TILE * tiles->tiles_x + pixels[p][0] / SSFR_TRUTH_TILE, i);
+            counts[pixels[p][1] * tiles->w + pixels[p][0]]++;
+        }
+    }
+}
+
+static void every_pixel_is_in_one_tile_once(void **state)
+{
+    (void)state;
+    static int counts[W * H];
+    ssfr_tiles tiles;
+    memset(counts, 0, sizeof counts);
+    assert_int_equal(ssfr_tiles_init(&tiles, W, H, SSFR_TRUTH_ALL, 1, 1), SSFR_OK);
+    assert_int_equal(tiles.n, N_TILES);
+    count_pixels(&tiles, counts);
+    for (int i = 0; i < W * H; i++) assert_int_equal(counts[i], 1);
+    ssfr_tiles_finish(&tiles);
+}
+
+static void one_pixel_of_each_square_is_cast_whatever_the_squares_are(void **state)
+{
+    (void)state;
+    static const int sides[] = {2, 7, 31, 32, 33, 50, 64, 100};
+    static int counts[W * H];
+    for (size_t s = 0; s < SSFR_COUNT(sides); s++) {
+        ssfr_tiles tiles;
+        memset(counts, 0, sizeof counts);
+        assert_int_equal(ssfr_tiles_init(&tiles, W, H, SSFR_TRUTH_ALL, sides[s], 5), SSFR_OK);
+        count_pixels(&tiles, counts);
+        for (int y = 0; y < H; y += sides[s])
+            for (int x = 0; x < W; x += sides[s]) {
+                int n = 0;
+                for (int j = y; j < ssfr_min_int(y + sides[s], H); j++)
+                    for (int i = x; i < ssfr_min_int(x + sides[s], W); i++) n += counts[j * W + i];
+                assert_int_equal(n, 1);
+            }
+        ssfr_tiles_finish(&tiles);
+    }
+}
+
+/* Chi square over the nine pixels of a square: 8 degrees of freedom exceed 26.1 once in a thousand. */
+static void all_pixels_of_a_square_have_the_same_chance(void **state)
+{
+    (void)state;
+    enum { SIDE = 3, DRAWS = 9000 };
+    int counts[SIDE * SIDE] = {0};
+    double chi2 = 0;
+    for (int seed = 0; seed < DRAWS; seed++) {
+        const ssfr_tiles tiles = {.w = W, .h = H, .every = SIDE, .seed = (uint64_t)seed};
+        int pixel[2];
+        ssfr_tiles_choose(&tiles, 6, 9, pixel);
+        counts[(pixel[1] - 9) * SIDE + pixel[0] - 6]++;
+    }
+    for (int i = 0; i < SIDE * SIDE; i++) chi2 += ssfr_square(counts[i] - DRAWS / 9.0) / (DRAWS / 9.0);
+    assert_true(chi2 < 26.1);
+}
+
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
+
+typedef struct fixture {
+    ssfr_stage *stage;
+    ssfr_truth_params params;
+    ssfr_truth *truth; /* cast without a cache */
+    const char *cache, *file;
+    ssfr_truth_options options;
+} fixture;
+
+static void begin(fixture *f)
+{
+    *f = (fixture){.stage = some_balls(), .params = test_truth_params(plain), .cache = new_cache()};
+    f->options = (ssfr_truth_options){.every = 1, .cache = f->cache};
+    f->truth = test_truth_cast(f->stage, &f->params);
+    f->file = file_of(f->cache, f->stage, &f->params, &f->options);
+}
+
+static void end(fixture *f)
+{
+    remove_cache(f->cache, f->file);
+    ssfr_truth_destroy(&f->truth);
+    ssfr_stage_destroy(&f->stage);
+}
+
+/* Casts, with what the cache has, and finds the same bits and the same counts. */
+static void assert_same(const fixture *f, bool cached)
+{
+    ssfr_truth *truth = NULL;
+    assert_int_equal(ssfr_truth_create(&truth, f->stage, &f->params, &f->options), SSFR_OK);
+    assert_true(test_truth_same(truth, f->truth));
+    assert_int_equal(truth->stats.cached, cached);
+    assert_int_equal(truth->stats.rays, W * H);
+    assert_int_equal(truth->stats.crossings, f->truth->stats.crossings);
+    assert_true(truth->stats.judged_max == f->truth->stats.judged_max);
+    ssfr_truth_destroy(&truth);
+}
+
+static void what_was_cast_is_not_cast_again(void **state)
+{
+    (void)state;
+    fixture f;
+    begin(&f);
+    assert_same(&f, false);
+    assert_same(&f, true);
+    f.options.anew = true;
+    assert_same(&f, false);
+    end(&f);
+}
+
+static void a_file_that_is_cut_at_any_byte_gives_the_same_bits(void **state)
+{
+    (void)state;
+    fixture f;
+    struct stat info;
+    begin(&f);
+    assert_same(&f, false);
+    assert_int_equal(stat(f.file, &info), 0);
+    for (off_t size = 0; size < info.st_size; size += size < 200 ? 13 : 4099) {
+        assert_int_equal(truncate(f.file, size), 0);
+        assert_same(&f, false);
+        assert_same(&f, true);
+    }
+    end(&f);
+}
+
+static void invert_byte(const char *path, long at)
+{
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, at, SEEK_SET), 0);
+    const int byte = getc(file);
+    assert_int_equal(fseek(file, at, SEEK_SET), 0);
+    assert_int_equal(putc(byte ^ 0xff, file), byte ^ 0xff);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* One tile is empty: most of its bytes stand for nothing, so only those of the first are looked at. */
+static void damage_is_found_and_mended(void **state)
+{
+    (void)state;
+    fixture f;
+    begin(&f);
+    assert_same(&f, false);
+    for (long at = 0; at < 60000; at += at < 80 ? 3 : 1999) {
+        invert_byte(f.file, at);
+        assert_same(&f, false);
+        assert_same(&f, true);
+    }
+    end(&f);
+}
+
+static void a_file_of_rubbish_is_as_good_as_none(void **state)
+{
+    (void)state;
+    fixture f;
+    uint64_t random = 7;
+    static unsigned char bytes[100000];
+    begin(&f);
+    assert_same(&f, false);
+    for (size_t i = 0; i < sizeof bytes; i++) bytes[i] = (unsigned char)test_random(&random, 0, 256);
+    test_write_file(f.file, bytes, sizeof bytes);
+    assert_same(&f, false);
+    assert_same(&f, true);
+    end(&f);
+}
+
+static void threads_and_tiles_change_no_bit(void **state)
+{
+    (void)state;
+    fixture f;
+    const int before = omp_get_max_threads();
+    begin(&f);
+    for (int n = 1; n <= 3; n++) {
+        ssfr_truth *truth = NULL;
+        omp_set_num_threads(n);
+        truth = test_truth_cast(f.stage, &f.params);
+        assert_true(test_truth_same(truth, f.truth));
+        ssfr_truth_destroy(&truth);
+    }
+    omp_set_num_threads(before);
+    assert_same(&f, false);
+    end(&f);
+}
+
+/* ---- interrupted, and two at once -------------------------------------------------------------------------------- */
+
+static void a_signal_ends_the_work_and_says_how_to_go_on(void **state)
+{
+    (void)state;
+    fixture f;
+    ssfr_truth *truth = NULL;
+    begin(&f);
+    ssfr_interrupt_begin();
+    raise(SIGTERM);
+    assert_fails(SSFR_ERR_IO, ssfr_truth_create(&truth, f.stage, &f.params, &f.options),
+                 "interrupted after 0 of 6 tiles: the same command goes on from there");
+    f.options.no_cache = true;
+    assert_fails(SSFR_ERR_IO, ssfr_truth_create(&truth, f.stage, &f.params, &f.options), "which nothing keeps");
+    ssfr_interrupt_end();
+    assert_null(truth);
+    f.options.no_cache = false;
+    assert_same(&f, false);
+    ssfr_interrupt_begin();
+    raise(SIGINT);
+    assert_same(&f, true); /* there is nothing left to stop */
+    ssfr_interrupt_end();
+    end(&f);
+}
+
+/* In a process of its own; leaves with 0 when the bits are right. */
+static pid_t cast_aside(const fixture *f)
+{
+    const pid_t pid = fork();
+    if (pid != 0) return pid;
+    ssfr_truth *truth = NULL;
+    ssfr_log_to(NULL, NULL);
+    omp_set_num_threads(1);
+    const bool right = ssfr_truth_create(&truth, f->stage, &f->params, &f->options) == SSFR_OK &&
+                       test_truth_same(truth, f->truth);
+    _exit(right ? 0 : 1);
+}
+
+static void two_processes_at_once_get_the_same(void **state)
+{
+    (void)state;
+    fixture f;
+    begin(&f);
+    const pid_t pids[] = {cast_aside(&f), cast_aside(&f)};
+    for (size_t i = 0; i < SSFR_COUNT(pids); i++) {
+        int status;
+        assert_true(waitpid(pids[i], &status, 0) == pids[i]);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+    assert_same(&f, true);
+    end(&f);
+}
+
+static void a_killed_process_leaves_what_it_did(void **state)
+{
+    const struct timespec pause = {.tv_nsec = 2000000}; /* ns */
+    (void)state;
+    fixture f;
+    int status;
+    begin(&f);
+    const pid_t pid = cast_aside(&f);
+    nanosleep(&pause, NULL);
+    kill(pid, SIGKILL);
+    assert_true(waitpid(pid, &status, 0) == pid);
+    ssfr_truth *truth = NULL;
+    assert_int_equal(ssfr_truth_create(&truth, f.stage, &f.params, &f.options), SSFR_OK);
+    assert_true(test_truth_same(truth, f.truth));
+    ssfr_truth_destroy(&truth);
+    assert_same(&f, true);
+    end(&f);
+}
+
+/* ---- errors ------------------------------------------------------------------------------------------------------ */
+
+static void a_cache_that_cannot_be_written_is_refused_in_one_line(void **state)
+{
+    (void)state;
+    fixture f;
+    ssfr_truth *truth = NULL;
+    const char *file = test_path("a file");
+    begin(&f);
+    test_write_file(file, "", 0);
+    ssfr_truth_options options = {.every = 1, .cache = file};
+    assert_fails(SSFR_ERR_IO, ssfr_truth_create(&truth, f.stage, &f.params, &options), "a file/truth");
+    options.cache = "";
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_create(&truth, f.stage, &f.params, &options), "0 bytes");
+    assert_same(&f, false);
+    end(&f);
+}
+
+static void a_full_disk_is_one_line_and_what_was_done_stays(void **state)
+{
+    (void)state;
+    fixture f;
+    ssfr_truth *truth = NULL;
+    const int before = omp_get_max_threads();
+    begin(&f);
+    omp_set_num_threads(1);
+    test_limit_file_size(70000); /* a whole tile has 57 kB */
+    const ssfr_result result = ssfr_truth_create(&truth, f.stage, &f.params, &f.options);
+    test_limit_file_size(SIZE_MAX);
+    omp_set_num_threads(before);
+    assert_int_equal(result, SSFR_ERR_IO);
+    assert_null(truth);
+    assert_non_null(strstr(test_last_error(), ".tiles: "));
+    assert_same(&f, false);
+    end(&f);
+}
+
+/* ---- the key ----------------------------------------------------------------------------------------------------- */
+
+/* Another key with this setting than without. */
+static bool counts(const ssfr_stage *stage, const char *parts, const char *key, const char *value)
+{
+    const ssfr_truth_options options = {.every = 1, .seed = 1};
+    const char *const before[] = {"truth.parts", parts, NULL}, *const after[] = {"truth.parts", parts, key, value, NULL};
+    const ssfr_truth_params a = test_truth_params(before), b = test_truth_params(after);
+    return ssfr_truth_key(stage, &a, &options) != ssfr_truth_key(stage, &b, &options);
+}
+
+static void the_key_knows_what_each_part_depends_on(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = some_balls();
+    assert_true(counts(stage, "surface", "truth.kind", "spheres"));
+    assert_true(counts(stage, "surface", "truth.size", "1.1"));
+    assert_true(counts(stage, "thickness", "truth.integrator", "qags"));
+    assert_true(counts(stage, "foam", "extinction.efficiency", "1.5"));
+    assert_false(counts(stage, "surface", "extinction.efficiency", "1.5"));
+    assert_true(counts(stage, "colour", "extinction.efficiency", "1.5"));
+    assert_true(counts(stage, "colour", "medium.color_r", "0.5"));
+    assert_false(counts(stage, "surface,thickness,foam", "medium.color_r", "0.5"));
+    assert_true(counts(stage, "colour", "path.depth", "3"));
+    assert_false(counts(stage, "foam", "path.depth", "3"));
+    assert_false(counts(stage, "surface", "anisotropy.k_r", "2"));
+    ssfr_stage_destroy(&stage);
+}
+
+static void the_key_knows_the_scene(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = some_balls();
+    const char *const all[] = {"truth.parts", "foam", NULL};
+    const ssfr_truth_params params = test_truth_params(all);
+    ssfr_truth_options options = {.every = 1, .seed = 1};
+    const uint64_t key = ssfr_truth_key(stage, &params, &options);
+#define CHANGED (ssfr_truth_key(stage, &params, &options) != key)
+    assert_false(CHANGED);
+    stage->scene.camera.eye[2] += 1e-9;
+    assert_true(CHANGED);
+    stage->scene.camera.eye[2] = 2.385;
+    assert_false(CHANGED);
+    stage->particles->radius *= 1.1;
+    assert_true(CHANGED);
+    stage->particles->radius = 0.25;
+    const float before = stage->particles->position[4];
+    stage->particles->position[4] = nextafterf(before, 1);
+    assert_true(CHANGED);
+    stage->particles->position[4] = before;
+    stage->scene.floor = -1;
+    assert_true(CHANGED);
+    stage->scene.floor = -INFINITY;
+    stage->scene.n_solids = 1;
+    assert_true(CHANGED);
+    stage->scene.n_solids = 0;
+    options.seed = 2; /* counts for samples only */
+    assert_false(CHANGED);
+    options.every = 2;
+    const uint64_t second = ssfr_truth_key(stage, &params, &options);
+    assert_true(second != key);
+    options.seed = 3;
+    assert_true(ssfr_truth_key(stage, &params, &options) != second);
+#undef CHANGED
+    ssfr_stage_destroy(&stage);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_pixel_is_in_one_tile_once),
+        cmocka_unit_test(one_pixel_of_each_square_is_cast_whatever_the_squares_are),
+        cmocka_unit_test(all_pixels_of_a_square_have_the_same_chance),
+        cmocka_unit_test(what_was_cast_is_not_cast_again),
+        cmocka_unit_test(a_file_that_is_cut_at_any_byte_gives_the_same_bits),
+        cmocka_unit_test(damage_is_found_and_mended),
+        cmocka_unit_test(a_file_of_rubbish_is_as_good_as_none),
+        cmocka_unit_test(two_processes_at_once_get_the_same),
+        cmocka_unit_test(a_killed_process_leaves_what_it_did),
+        cmocka_unit_test(threads_and_tiles_change_no_bit),
+        cmocka_unit_test(a_signal_ends_the_work_and_says_how_to_go_on),
+        cmocka_unit_test(a_cache_that_cannot_be_written_is_refused_in_one_line),
+        cmocka_unit_test(a_full_disk_is_one_line_and_what_was_done_stays),
+        cmocka_unit_test(the_key_knows_what_each_part_depends_on),
+        cmocka_unit_test(the_key_knows_the_scene),
+    };
+    return cmocka_run_group_tests(tests, test_capture_log, NULL);
+}
