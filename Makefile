@@ -117,6 +117,7 @@ $(BUILD)/scene_files.def: FORCE
 	  cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 $(BUILD)/experiments/scenes/embedded.o: $(BUILD)/scene_files.def $(SCENE_FILES)
 $(BUILD)/experiments/scenes/embedded.o: CFLAGS_ALL += -I$(BUILD)
+$(BUILD)/experiments/bench_integrators_spec.o: experiments/truth/integrators.yaml
 
 $(SSFR): $(BUILD)/experiments/main.o $(APP) $(METRICS) $(STATIC)
 	@echo "LD   $@"
