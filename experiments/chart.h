@@ -5,7 +5,7 @@
 
 #include "experiments/csv.h"
 
-enum { SSFR_CHART_KEYS = 3, SSFR_CHART_ONLY = 12, SSFR_CHART_LEVELS = 2, SSFR_CHART_CURVES = 24 };
+enum { SSFR_CHART_KEYS = 4, SSFR_CHART_ONLY = 12, SSFR_CHART_LEVELS = 2, SSFR_CHART_CURVES = 24 };
 
 typedef struct ssfr_panel {
     const char *title, *x, *y;    /* columns, with or without their units */

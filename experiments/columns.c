@@ -30,3 +30,13 @@ void ssfr_column_header(const char *name, const char *unit, char *text, size_t s
     const bool bare = strcmp(unit, "1") == 0 || carries_unit(name, unit);
     snprintf(text, size, bare ? "%s" : "%s [%s]", name, unit);
 }
+
+void ssfr_column_label(const ssfr_column *column, const char *header, char *text, size_t size)
+{
+    if (!column)
+        snprintf(text, size, "%s", header);
+    else if (strcmp(column->unit, "1") == 0)
+        snprintf(text, size, "%s", column->help);
+    else
+        snprintf(text, size, "%s [%s]", column->help, column->unit);
+}

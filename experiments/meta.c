@@ -4,6 +4,8 @@
 #include "experiments/json.h"
 #include "experiments/versions.h"
 
+#include "base/param.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <omp.h>
@@ -151,6 +153,25 @@ static ssfr_result put_parameters(ssfr_json *json, const ssfr_meta *meta)
     return result;
 }
 
+static void put_truth(ssfr_json *json, const ssfr_meta *meta)
+{
+    char key[128], text[256];
+    const ssfr_param *row;
+    const void *group;
+    ssfr_json_object(json, "truth");
+    ssfr_json_integer(json, "version", SSFR_TRUTH_VERSION);
+    for (int i = 0; ssfr_truth_key_at(meta->truth, i, key, &row, &group); i++) {
+        const bool words = row->type == SSFR_CHOICE || row->type == SSFR_SET;
+        ssfr_param_format(row, group, text, sizeof text);
+        if (meta->spec && ssfr_sweep_spec_axis(meta->spec, key)) continue;
+        if (words)
+            ssfr_json_text(json, key, text);
+        else
+            ssfr_json_number(json, key, ssfr_param_number(row, group));
+    }
+    ssfr_json_close(json);
+}
+
 /* A table's reader has the meaning of its columns at hand. */
 static void put_columns(ssfr_json *json, const ssfr_meta *meta)
 {
@@ -173,7 +194,8 @@ static void put_spec(ssfr_json *json, const ssfr_sweep_spec *spec)
         ssfr_json_close(json);
     }
     ssfr_json_close(json);
-    if (!spec->has_reference) return;
+    if (spec->compared_with == SSFR_REFERENCE_TRUTH) ssfr_json_text(json, "reference", "truth");
+    if (spec->compared_with != SSFR_REFERENCE_FRAME) return;
     ssfr_json_object(json, "reference");
     for (int i = 0; i < spec->reference.n; i++)
         ssfr_json_text(json, spec->reference.items[i].key, spec->reference.items[i].value);
@@ -206,6 +228,7 @@ static ssfr_result write_file(FILE *file, const char *path, const ssfr_meta *met
     put_scenes(&json, meta);
     SSFR_TRY(put_parameters(&json, meta));
     if (meta->spec) put_spec(&json, meta->spec);
+    if (meta->truth) put_truth(&json, meta);
     put_columns(&json, meta);
     ssfr_json_close(&json);
 end:

@@ -7,6 +7,7 @@
 #include "experiments/hash.h"
 #include "experiments/record.h"
 #include "experiments/sweep_spec.h"
+#include "experiments/truth/truth.h"
 
 /* Of the world positions, in the order of the packed set. */
 uint64_t ssfr_hash_particles(const ssfr_particles *particles);
@@ -26,6 +27,7 @@ typedef struct ssfr_meta {
     const char *pipeline;
     const ssfr_graph *graph;     /* for its parameters; those that an axis varies are left out; NULL for none */
     const ssfr_record *parameters; /* of what is measured when that is no graph */
+    const ssfr_truth_params *truth; /* that errors are measured against; those that an axis varies are left out; NULL */
     const ssfr_sweep_spec *spec; /* NULL for a table without axes */
     int n_columns;
     const ssfr_column *columns;  /* those whose name does not say all */

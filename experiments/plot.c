@@ -40,7 +40,7 @@ typedef struct plot {
     const ssfr_csv_table *table;
     const ssfr_plot_spec *spec;
     axis x, y;
-    int lines[SSFR_MAX_LINES]; /* columns */
+    int lines[SSFR_MAX_LINES], only[SSFR_MAX_ONLY]; /* columns */
     ssfr_point *points;
     size_t n_points, n_left_out;
     char names[MAX_LINES][NAME_SIZE];
@@ -59,11 +59,7 @@ static ssfr_result init_axis(const plot *p, axis *a, const char *name)
     *a = (axis){.meaning = ssfr_column_find(name), .sign = 1, .log = true, .lo = INFINITY, .hi = -INFINITY};
     SSFR_TRY(find_column(p, name, &a->column));
     if (a->meaning && a->meaning->better > 0) a->sign = -1, a->log = false;
-    if (a->meaning)
-        snprintf(a->label, sizeof a->label, "%s%s%s%s", a->meaning->help, strcmp(a->meaning->unit, "1") ? " [" : "",
-                 strcmp(a->meaning->unit, "1") ? a->meaning->unit : "", strcmp(a->meaning->unit, "1") ? "]" : "");
-    else
-        snprintf(a->label, sizeof a->label, "%s", p->table->cells[a->column]);
+    ssfr_column_label(a->meaning, p->table->cells[a->column], a->label, sizeof a->label);
 end:
     return result;
 }
@@ -72,6 +68,14 @@ static double axis_value(const plot *p, const axis *a, size_t row)
 {
     const double value = ssfr_csv_cell_number(p->table, row, a->column);
     return isfinite(value) && (value > 0 || !a->log) ? a->sign * value : NAN;
+}
+
+static bool is_chosen(const plot *p, size_t row)
+{
+    bool chosen = true;
+    for (int i = 0; i < p->spec->n_only; i++)
+        chosen &= strcmp(ssfr_csv_cell(p->table, row, p->only[i]), p->spec->only[i].cell) == 0;
+    return chosen;
 }
 
 /* "splat point, gl": a parameter is told by its last word, the rest by the value alone. */
@@ -112,6 +116,7 @@ static ssfr_result collect(plot *p)
     for (size_t row = 0; row < p->table->n_rows; row++) {
         ssfr_point point = {.x = axis_value(p, &p->x, row), .y = axis_value(p, &p->y, row)};
         const bool ran = status < 0 || strcmp(ssfr_csv_cell(p->table, row, status), "ok") == 0;
+        if (!is_chosen(p, row)) continue;
         if (!ran || isnan(point.x) || isnan(point.y)) {
             p->n_left_out++;
             continue;
@@ -225,6 +230,7 @@ ssfr_result ssfr_plot_save(const char *svg, const ssfr_csv_table *table, const s
     SSFR_TRY(init_axis(p, &p->x, spec->x));
     SSFR_TRY(init_axis(p, &p->y, spec->y));
     for (int i = 0; i < spec->n_lines; i++) SSFR_TRY(find_column(p, spec->lines[i], &p->lines[i]));
+    for (int i = 0; i < spec->n_only; i++) SSFR_TRY(find_column(p, spec->only[i].column, &p->only[i]));
     SSFR_TRY(collect(p));
     if (p->n_points == 0) {
         ssfr_log(SSFR_WARNING, "%s: not drawn, no run has a value for both %s and %s", svg, spec->x, spec->y);

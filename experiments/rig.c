@@ -18,12 +18,13 @@ typedef struct cached { /* a shot and the run that it belongs to */
 struct ssfr_rig {
     const ssfr_rig_options *o;
     ssfr_graph *gl, *cpu, *reference; /* NULL where not needed */
+    ssfr_truth_params truth; /* with the settings of every run and of the scene */
     ssfr_stage *stage;
     size_t scene; /* value that the stage shows */
     bool staged;
     bool dressed; /* the graphs have settings or a background of a scene */
-    cached twin, of_reference;
-    ssfr_shot shot;
+    cached frame, twin, of_reference; /* of OpenGL, of the CPU, of whatever is the reference */
+    double truth_values[SSFR_N_COLUMNS]; /* the columns truth_* that go with it */
 };
 
 /* ---- values of axes ---------------------------------------------------------------------------------------------- */
@@ -48,22 +49,46 @@ bool ssfr_rig_size(const char *text, int size[2])
 
 /* ---- checks ------------------------------------------------------------------------------------------------------ */
 
-static ssfr_result check_key(const ssfr_graph *graph, const ssfr_pipeline *pipeline, const char *where, const char *key)
+typedef struct target { /* what takes parameters */
+    ssfr_graph *graph;
+    const ssfr_pipeline *pipeline;
+    ssfr_truth_params *truth; /* NULL when nothing is compared with it */
+} target;
+
+/* "truth.hind" is meant for truth, though it has none. */
+static bool is_for_truth(const char *key)
 {
-    if (ssfr_graph_row(graph, key)) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: %s: pipeline %s has no such parameter (ssfr pipelines %s lists them)",
-                     where, key, ssfr_pipeline_name(pipeline), ssfr_pipeline_name(pipeline));
+    static const char *const groups[] = {"truth.", "extinction.", "path.", "anisotropy."};
+    bool found = false;
+    for (size_t i = 0; i < SSFR_COUNT(groups); i++) found |= strncmp(key, groups[i], strlen(groups[i])) == 0;
+    return found;
 }
 
-static ssfr_result apply(ssfr_graph *graph, const ssfr_pipeline *pipeline, const ssfr_settings *settings)
+/* The water's and the light's parameters are set in both. */
+static ssfr_result check_parameter(const target *t, const char *where, const char *key, const char *value)
 {
     ssfr_result result = SSFR_OK;
-    for (int i = 0; i < settings->n; i++) {
-        const ssfr_setting *s = &settings->items[i];
-        SSFR_TRY(check_key(graph, pipeline, s->where, s->key));
-        SSFR_TRY(ssfr_graph_set(graph, s->key, s->value));
-    }
+    const bool has = ssfr_graph_row(t->graph, key);
+    const bool for_truth = ssfr_rig_truth_row(key) || (!has && is_for_truth(key));
+    if (!has && for_truth && !t->truth)
+        return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: %s: only a sweep with `reference: truth` has it", where, key);
+    if (!has && !for_truth)
+        return ssfr_fail(SSFR_ERR_UNKNOWN,
+                         "%s: %s: pipeline %s has no such parameter (ssfr pipelines %s lists them)", where, key,
+                         ssfr_pipeline_name(t->pipeline), ssfr_pipeline_name(t->pipeline));
+    ssfr_log_about(where);
+    if (has) SSFR_TRY(ssfr_graph_set(t->graph, key, value));
+    if (for_truth && t->truth) SSFR_TRY(ssfr_truth_set(t->truth, key, value));
 end:
+    ssfr_log_about(NULL);
+    return result;
+}
+
+static ssfr_result check_settings(const target *t, const ssfr_settings *settings)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < settings->n && result == SSFR_OK; i++)
+        result = check_parameter(t, settings->items[i].where, settings->items[i].key, settings->items[i].value);
     return result;
 }
 
@@ -90,31 +115,41 @@ static ssfr_result check_own(const ssfr_axis *axis, const char *value)
     return SSFR_OK;
 }
 
-static ssfr_result check_axis(ssfr_graph *graph, const ssfr_pipeline *pipeline, const ssfr_axis *axis)
+static ssfr_result check_axis(const target *t, const ssfr_axis *axis)
 {
     ssfr_result result = SSFR_OK;
-    if (ssfr_axis_is_parameter(axis->key)) SSFR_TRY(check_key(graph, pipeline, axis->where, axis->key));
-    for (size_t i = 0; i < axis->n; i++)
-        SSFR_TRY(ssfr_axis_is_parameter(axis->key) ? ssfr_graph_set(graph, axis->key, axis->values[i])
-                                                   : check_own(axis, axis->values[i]));
-end:
+    for (size_t i = 0; i < axis->n && result == SSFR_OK; i++)
+        result = ssfr_axis_is_parameter(axis->key) ? check_parameter(t, axis->where, axis->key, axis->values[i])
+                                                   : check_own(axis, axis->values[i]);
     return result;
 }
 
 ssfr_result ssfr_rig_check(const ssfr_sweep_spec *spec, const ssfr_pipeline *pipeline)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_graph *graph = NULL;
-    SSFR_TRY(ssfr_graph_create(&graph, pipeline, NULL));
-    SSFR_TRY(apply(graph, pipeline, &spec->settings));
-    SSFR_TRY(apply(graph, pipeline, &spec->reference));
-    for (int i = 0; i < spec->n_axes; i++) SSFR_TRY(check_axis(graph, pipeline, &spec->axes[i]));
+    ssfr_truth_params truth;
+    target t = {.pipeline = pipeline, .truth = spec->compared_with == SSFR_REFERENCE_TRUTH ? &truth : NULL};
+    ssfr_truth_defaults(&truth);
+    SSFR_TRY(ssfr_graph_create(&t.graph, pipeline, NULL));
+    SSFR_TRY(check_settings(&t, &spec->settings));
+    for (int i = 0; i < spec->n_axes; i++) SSFR_TRY(check_axis(&t, &spec->axes[i]));
+    SSFR_TRY(check_settings(&t, &spec->reference));
 end:
-    ssfr_graph_destroy(&graph);
+    ssfr_graph_destroy(&t.graph);
     return result;
 }
 
 /* ---- the rig ----------------------------------------------------------------------------------------------------- */
+
+/* Those that are not the graph's are truth's: ssfr_rig_check found them well. */
+static ssfr_result apply(ssfr_graph *graph, const ssfr_settings *settings)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < settings->n && result == SSFR_OK; i++)
+        if (ssfr_graph_row(graph, settings->items[i].key))
+            result = ssfr_graph_set(graph, settings->items[i].key, settings->items[i].value);
+    return result;
+}
 
 /* What the scene says first, so that the spec counts for more. */
 static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig_options *o, ssfr_gl *gl, const ssfr_description *scene)
@@ -124,7 +159,7 @@ static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig_options *o, ssfr_g
     SSFR_TRY(ssfr_graph_create(out, o->pipeline, gl));
     SSFR_TRY(ssfr_shot_want(*out, o->pipeline));
     if (scene) SSFR_TRY(ssfr_setup_apply_scene(*out, scene));
-    SSFR_TRY(apply(*out, o->pipeline, &o->spec->settings));
+    SSFR_TRY(apply(*out, &o->spec->settings));
 end:
     return result;
 }
@@ -135,9 +170,9 @@ static ssfr_result new_graphs(ssfr_rig *rig, const ssfr_description *scene)
     const ssfr_rig_options *o = rig->o;
     if (o->gl) SSFR_TRY(new_graph(&rig->gl, o, o->gl, scene));
     SSFR_TRY(new_graph(&rig->cpu, o, NULL, scene));
-    if (o->spec->has_reference) {
+    if (o->spec->compared_with == SSFR_REFERENCE_FRAME) {
         SSFR_TRY(new_graph(&rig->reference, o, NULL, scene));
-        SSFR_TRY(apply(rig->reference, o->pipeline, &o->spec->reference));
+        SSFR_TRY(apply(rig->reference, &o->spec->reference));
     }
 end:
     return result;
@@ -151,6 +186,7 @@ ssfr_result ssfr_rig_create(ssfr_rig **out, const ssfr_rig_options *options)
     SSFR_TRY(ssfr_alloc(&rig, 1, sizeof *rig, "a rig"));
     rig->o = options;
     SSFR_TRY(new_graphs(rig, NULL));
+    SSFR_TRY(ssfr_rig_truth_params(&rig->truth, options->spec, NULL));
     *out = rig;
     rig = NULL;
 end:
@@ -169,9 +205,9 @@ void ssfr_rig_destroy(ssfr_rig **rig)
 {
     ssfr_rig *r = *rig;
     if (!r) return;
+    forget(&r->frame);
     forget(&r->twin);
     forget(&r->of_reference);
-    ssfr_shot_finish(&r->shot);
     ssfr_graph_destroy(&r->gl);
     ssfr_graph_destroy(&r->cpu);
     ssfr_graph_destroy(&r->reference);
@@ -183,6 +219,11 @@ void ssfr_rig_destroy(ssfr_rig **rig)
 const ssfr_graph *ssfr_rig_graph(const ssfr_rig *rig)
 {
     return rig->cpu;
+}
+
+const ssfr_truth_params *ssfr_rig_truth(const ssfr_rig *rig)
+{
+    return rig->o->spec->compared_with == SSFR_REFERENCE_TRUTH ? &rig->truth : NULL;
 }
 
 /* ---- one run ----------------------------------------------------------------------------------------------------- */
@@ -217,6 +258,7 @@ static ssfr_result set_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
     ssfr_stage_destroy(&rig->stage);
     SSFR_TRY(ssfr_stage_create(&rig->stage, axis->values[scene], &options));
     SSFR_TRY(dress(rig));
+    SSFR_TRY(ssfr_rig_truth_params(&rig->truth, rig->o->spec, rig->stage->description));
     rig->scene = scene;
     rig->staged = true;
 end:
@@ -235,7 +277,7 @@ static ssfr_result set_parameters(const ssfr_rig *rig, ssfr_graph *graph, const 
     ssfr_result result = SSFR_OK;
     const ssfr_sweep_spec *spec = rig->o->spec;
     for (int i = 0; i < spec->n_axes && result == SSFR_OK; i++)
-        if (ssfr_axis_is_parameter(spec->axes[i].key))
+        if (ssfr_axis_is_parameter(spec->axes[i].key) && ssfr_graph_row(graph, spec->axes[i].key))
             result = ssfr_graph_set(graph, spec->axes[i].key, spec->axes[i].values[index[i]]);
     return result;
 }
@@ -246,47 +288,82 @@ static ssfr_result take(const ssfr_rig *rig, ssfr_shot *shot, const ssfr_graph *
     return ssfr_shot_take(shot, graph, rig->o->pipeline, camera->w, camera->h);
 }
 
-/* Two runs agree in all axes, or in scene and size alone, which is what the reference depends on. */
-static bool same_run(const ssfr_sweep_spec *spec, const size_t a[SSFR_MAX_AXES], const size_t b[SSFR_MAX_AXES],
-                     bool reference)
+bool ssfr_rig_makes_frames(const ssfr_graph *graph, const ssfr_axis *axis)
 {
-    bool same = true;
+    return !ssfr_axis_is_parameter(axis->key) || ssfr_graph_row(graph, axis->key);
+}
+
+/* A reference frame depends on scene and size alone, truth on its own parameters, too. */
+static bool makes_references(const ssfr_rig *rig, const ssfr_axis *axis)
+{
+    const bool truth = rig->o->spec->compared_with == SSFR_REFERENCE_TRUTH;
+    return !ssfr_axis_is_parameter(axis->key) || (truth && ssfr_rig_truth_row(axis->key));
+}
+
+/* Whether what is kept of one run is what another needs. */
+static bool holds(const cached *c, const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    const ssfr_sweep_spec *spec = rig->o->spec;
+    bool same = c->valid;
     for (int i = 0; i < spec->n_axes; i++) {
-        const bool backend = strcmp(spec->axes[i].key, "backend") == 0;
-        if (!backend && !(reference && ssfr_axis_is_parameter(spec->axes[i].key))) same &= a[i] == b[i];
+        const ssfr_axis *axis = &spec->axes[i];
+        const bool matters =
+            c == &rig->of_reference ? makes_references(rig, axis) : ssfr_rig_makes_frames(rig->cpu, axis);
+        if (matters && strcmp(axis->key, "backend") != 0) same &= c->index[i] == index[i];
     }
     return same;
+}
+
+static void hold(cached *c, const size_t index[SSFR_MAX_AXES])
+{
+    memcpy(c->index, index, sizeof c->index);
+    c->valid = true;
+}
+
+static ssfr_result cast_truth(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_stage_options *stage = &rig->o->stage;
+    const ssfr_truth_options options = {.every = 1, .seed = stage->seed, .cache = stage->cache, .progress = true};
+    ssfr_truth_params params = rig->truth;
+    SSFR_TRY(ssfr_rig_truth_vary(&params, rig->o->spec, index));
+    SSFR_TRY(ssfr_rig_truth_cast(&rig->of_reference.shot, rig->truth_values, rig->stage, &params, &options));
+end:
+    return result;
 }
 
 static ssfr_result ensure_reference(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
     ssfr_result result = SSFR_OK;
     cached *c = &rig->of_reference;
-    if (c->valid && same_run(rig->o->spec, c->index, index, true)) return SSFR_OK;
+    if (holds(c, rig, index)) return SSFR_OK;
     forget(c);
-    SSFR_TRY(ssfr_graph_run(rig->reference, &rig->stage->scene, NULL));
-    SSFR_TRY(take(rig, &c->shot, rig->reference));
-    memcpy(c->index, index, sizeof c->index);
-    c->valid = true;
+    for (int i = 0; i < SSFR_N_COLUMNS; i++) rig->truth_values[i] = NAN;
+    if (rig->o->spec->compared_with == SSFR_REFERENCE_TRUTH) {
+        SSFR_TRY(cast_truth(rig, index));
+    } else {
+        SSFR_TRY(ssfr_graph_run(rig->reference, &rig->stage->scene, NULL));
+        SSFR_TRY(take(rig, &c->shot, rig->reference));
+    }
+    hold(c, index);
 end:
     return result;
 }
 
-/* The CPU twin of a run, measured when asked for. */
-static ssfr_result ensure_twin(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], bool measured)
+/* The frame of a run by one of the graphs, measured when asked for. */
+static ssfr_result ensure_frame(ssfr_rig *rig, cached *c, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES],
+                                bool measured)
 {
     ssfr_result result = SSFR_OK;
-    cached *c = &rig->twin;
-    if (c->valid && same_run(rig->o->spec, c->index, index, false) && (c->measured || !measured)) return SSFR_OK;
+    if (holds(c, rig, index) && (c->measured || !measured)) return SSFR_OK;
     forget(c);
-    SSFR_TRY(set_parameters(rig, rig->cpu, index));
+    SSFR_TRY(set_parameters(rig, graph, index));
     if (measured)
-        SSFR_TRY(ssfr_measure_graph(&c->measured, rig->cpu, &rig->stage->scene, &rig->o->measure));
+        SSFR_TRY(ssfr_measure_graph(&c->measured, graph, &rig->stage->scene, &rig->o->measure));
     else
-        SSFR_TRY(ssfr_graph_run(rig->cpu, &rig->stage->scene, NULL));
-    SSFR_TRY(take(rig, &c->shot, rig->cpu));
-    memcpy(c->index, index, sizeof c->index);
-    c->valid = true;
+        SSFR_TRY(ssfr_graph_run(graph, &rig->stage->scene, NULL));
+    SSFR_TRY(take(rig, &c->shot, graph));
+    hold(c, index);
 end:
     return result;
 }
@@ -304,19 +381,6 @@ static void put_times(const ssfr_measured *m, double bandwidth, double values[SS
     values[SSFR_COLUMN_roofline] = ssfr_measure_roofline(m->frame.median, m->bytes, bandwidth);
 }
 
-static ssfr_result run_gl(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_measured *measured = NULL;
-    SSFR_TRY(set_parameters(rig, rig->gl, index));
-    SSFR_TRY(ssfr_measure_graph(&measured, rig->gl, &rig->stage->scene, &rig->o->measure));
-    put_times(measured, rig->o->bandwidth_gl, values);
-    SSFR_TRY(take(rig, &rig->shot, rig->gl));
-end:
-    ssfr_measured_destroy(&measured);
-    return result;
-}
-
 /* The next run is the same on the CPU: then the twin is measured now and serves both. */
 static bool cpu_is_next(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES])
 {
@@ -326,15 +390,47 @@ static bool cpu_is_next(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX
            strcmp(axis->values[index[last] + 1], "cpu") == 0;
 }
 
-static ssfr_result compare(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], const ssfr_shot *shot,
-                           double values[SSFR_N_COLUMNS])
+/* Against the reference: the frame itself, and its twin (NULL: there is none). */
+static ssfr_result compare(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], const ssfr_shot *frame,
+                           const ssfr_shot *twin, double values[SSFR_N_COLUMNS])
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_shot_count_nan(shot, values));
-    if (rig->reference) {
-        SSFR_TRY(ensure_reference(rig, index));
-        SSFR_TRY(ssfr_shot_compare_reference(shot, &rig->of_reference.shot, values));
+    const double radius = rig->stage->particles->radius;
+    if (rig->o->spec->compared_with == SSFR_REFERENCE_NONE) return SSFR_OK;
+    SSFR_TRY(ensure_reference(rig, index));
+    for (int i = SSFR_COLUMN_truth_depth_err_mean; i <= SSFR_COLUMN_truth_thickness_err_mean; i++)
+        values[i] = rig->truth_values[i];
+    SSFR_TRY(ssfr_shot_compare_reference(frame, &rig->of_reference.shot, radius, values));
+    if (twin) SSFR_TRY(ssfr_shot_compare_method(twin, &rig->of_reference.shot, values));
+end:
+    return result;
+}
+
+static ssfr_result run_gl(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_rig_options *o = rig->o;
+    const ssfr_shot *frame = &rig->frame.shot, *twin = o->no_twin ? NULL : &rig->twin.shot;
+    SSFR_TRY(ensure_frame(rig, &rig->frame, rig->gl, index, true));
+    put_times(rig->frame.measured, o->bandwidth_gl, values);
+    SSFR_TRY(ssfr_shot_count_nan(frame, values));
+    if (twin) {
+        SSFR_TRY(ensure_frame(rig, &rig->twin, rig->cpu, index, cpu_is_next(o->spec, index)));
+        SSFR_TRY(ssfr_shot_compare_twin(frame, twin, values));
     }
+    SSFR_TRY(compare(rig, index, frame, twin, values));
+end:
+    return result;
+}
+
+static ssfr_result run_cpu(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_shot *twin = &rig->twin.shot;
+    SSFR_TRY(ensure_frame(rig, &rig->twin, rig->cpu, index, true));
+    put_times(rig->twin.measured, rig->o->bandwidth_cpu, values);
+    SSFR_TRY(ssfr_shot_count_nan(twin, values));
+    SSFR_TRY(compare(rig, index, twin, twin, values));
 end:
     return result;
 }
@@ -342,21 +438,10 @@ end:
 ssfr_result ssfr_rig_run(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_rig_options *o = rig->o;
-    const bool on_gpu = strcmp(ssfr_rig_value(o->spec, index, "backend"), "gl") == 0;
+    const bool on_gpu = strcmp(ssfr_rig_value(rig->o->spec, index, "backend"), "gl") == 0;
     for (int i = 0; i < SSFR_N_COLUMNS; i++) values[i] = NAN;
     SSFR_TRY(set_stage(rig, index));
-    if (on_gpu) {
-        SSFR_TRY(run_gl(rig, index, values));
-        SSFR_TRY(compare(rig, index, &rig->shot, values));
-        if (o->no_twin) goto end;
-        SSFR_TRY(ensure_twin(rig, index, cpu_is_next(o->spec, index)));
-        SSFR_TRY(ssfr_shot_compare_twin(&rig->shot, &rig->twin.shot, values));
-    } else {
-        SSFR_TRY(ensure_twin(rig, index, true));
-        put_times(rig->twin.measured, o->bandwidth_cpu, values);
-        SSFR_TRY(compare(rig, index, &rig->twin.shot, values));
-    }
+    SSFR_TRY(on_gpu ? run_gl(rig, index, values) : run_cpu(rig, index, values));
 end:
     return result;
 }

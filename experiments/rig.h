@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* rig.h: a rig makes the runs of a sweep: it keeps the scene, the graphs, the last CPU twin and the reference. */
+/* rig.h: a rig makes the runs of a sweep: it keeps the scene, the graphs, the last frames and the last reference. */
 #ifndef SSFR_RIG_H
 #define SSFR_RIG_H
 
-#include "experiments/columns.h"
 #include "experiments/measure.h"
-#include "experiments/stage.h"
-#include "experiments/sweep_spec.h"
+#include "experiments/rig_truth.h"
 
 typedef struct ssfr_rig ssfr_rig;
 
@@ -17,7 +15,7 @@ typedef struct ssfr_rig_options {
     ssfr_stage_options stage; /* but for the size */
     ssfr_measure_options measure;
     double bandwidth_gl, bandwidth_cpu; /* bytes/s */
-    bool no_twin; /* leave the twin_* columns NaN, and save the twin's time */
+    bool no_twin; /* leave the columns twin_* and, of gl, method_* NaN, and save the twin's time */
 } ssfr_rig_options;
 
 /* Every key and value of the spec is one that the pipeline takes. Loads no scene. */
@@ -31,10 +29,15 @@ void ssfr_rig_destroy(ssfr_rig **rig);
 SSFR_MUST ssfr_result ssfr_rig_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], const ssfr_stage **out);
 /* A graph with the settings of every run and the axes as the last run left them. */
 const ssfr_graph *ssfr_rig_graph(const ssfr_rig *rig);
+/* Truth with the settings of every run and of the last run's scene; NULL when it is not the reference. */
+const ssfr_truth_params *ssfr_rig_truth(const ssfr_rig *rig);
 
-/* Makes one run. What is not known when it fails stays NaN. */
+/* Makes one run. What is not known when it fails stays NaN. Runs that differ in truth's own parameters alone have one
+ * frame: it is measured once for those that follow each other. */
 SSFR_MUST ssfr_result ssfr_rig_run(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS]);
 
+/* The axis has to do with how a graph makes frames, not only with what they are compared with. */
+bool ssfr_rig_makes_frames(const ssfr_graph *graph, const ssfr_axis *axis);
 /* The value of an axis in a run. */
 const char *ssfr_rig_value(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES], const char *key);
 /* "640x360" as two numbers. */

@@ -4,11 +4,13 @@
 #include "experiments/capture.h"
 #include "experiments/console.h"
 #include "experiments/csv.h"
+#include "experiments/figures.h"
 #include "experiments/interrupt.h"
 #include "experiments/meta.h"
-#include "experiments/plot.h"
 #include "experiments/rig.h"
 #include "experiments/setup.h"
+
+#include "base/param.h"
 
 #include <omp.h>
 
@@ -21,6 +23,7 @@ typedef struct sweep {
     const ssfr_sweep_spec *spec;
     const ssfr_sweep_options *o;
     const ssfr_pipeline *pipeline;
+    ssfr_graph *graph; /* knows which parameters there are */
     ssfr_gl *gl;
     ssfr_rig_options rig_options;
     ssfr_rig *rig;
@@ -34,12 +37,17 @@ typedef struct sweep {
 
 /* ---- the runs ---------------------------------------------------------------------------------------------------- */
 
-/* Runs that differ in the backend alone share a twin, so a shard takes them together. */
-static ssfr_result count_runs(sweep *s)
+/* Runs that follow each other with the same twin: a shard takes them together. */
+static size_t count_group(const sweep *s)
 {
-    const ssfr_axis *last = &s->spec->axes[s->spec->n_axes - 1];
-    s->group = strcmp(last->key, "backend") == 0 ? last->n : 1;
-    return ssfr_sweep_spec_count(s->spec, &s->n_runs);
+    const ssfr_sweep_spec *spec = s->spec;
+    size_t n = 1;
+    for (int i = spec->n_axes - 1; i >= 0; i--) {
+        const ssfr_axis *axis = &spec->axes[i];
+        if (strcmp(axis->key, "backend") != 0 && ssfr_rig_makes_frames(s->graph, axis)) break;
+        n *= axis->n;
+    }
+    return n;
 }
 
 static bool in_shard(const sweep *s, size_t run)
@@ -76,22 +84,23 @@ static void add_column(sweep *s, const char *name, const char *unit)
     s->n_columns++;
 }
 
-static ssfr_result name_columns(sweep *s)
+/* Of the graph or of the truth. */
+static const char *unit_of(const sweep *s, const char *parameter)
 {
-    ssfr_result result = SSFR_OK;
-    ssfr_graph *graph = NULL;
-    SSFR_TRY(ssfr_graph_create(&graph, s->pipeline, NULL)); /* knows the units */
+    const ssfr_param *row = ssfr_graph_row(s->graph, parameter);
+    return (row ? row : ssfr_rig_truth_row(parameter))->unit;
+}
+
+static void name_columns(sweep *s)
+{
     for (int i = 0; i < s->spec->n_axes; i++) {
         const char *name = s->spec->axes[i].key;
-        if (ssfr_axis_is_parameter(name)) add_column(s, name, ssfr_graph_row(graph, name)->unit);
+        if (ssfr_axis_is_parameter(name)) add_column(s, name, unit_of(s, name));
     }
     for (size_t i = 0; i < N_OWN; i++) add_column(s, own_keys[i], "1");
     s->n_keys = s->n_columns;
     add_column(s, "status", "1");
     for (int i = 0; i < SSFR_N_COLUMNS; i++) add_column(s, ssfr_columns[i].name, ssfr_columns[i].unit);
-end:
-    ssfr_graph_destroy(&graph);
-    return result;
 }
 
 static bool has_column(const sweep *s, const char *name)
@@ -101,16 +110,24 @@ static bool has_column(const sweep *s, const char *name)
     return found && strcmp(name, "size") != 0;
 }
 
-/* A plot that cannot be drawn must not be found out after the last run. */
-static ssfr_result check_plot(const sweep *s)
+static ssfr_result check_plot(const sweep *s, const ssfr_plot_spec *p)
 {
-    const ssfr_plot_spec *p = &s->spec->plot;
-    const char *names[2 + SSFR_MAX_LINES] = {p->x, p->y};
-    for (int i = 0; i < p->n_lines; i++) names[2 + i] = p->lines[i];
-    for (int i = 0; p->x && i < 2 + p->n_lines; i++)
+    const char *names[2 + SSFR_MAX_LINES + SSFR_MAX_ONLY] = {p->x, p->y};
+    int n = 2;
+    for (int i = 0; i < p->n_lines; i++) names[n++] = p->lines[i];
+    for (int i = 0; i < p->n_only; i++) names[n++] = p->only[i].column;
+    for (int i = 0; p->x && i < n; i++)
         if (!has_column(s, names[i]))
             return ssfr_fail(SSFR_ERR_UNKNOWN, "plot: the table will have no column %s", names[i]);
     return SSFR_OK;
+}
+
+/* A figure that cannot be drawn must not be found out after the last run. */
+static ssfr_result check_figures(const sweep *s)
+{
+    ssfr_result result = check_plot(s, &s->spec->plot);
+    for (int i = 0; i < s->spec->n_curves && result == SSFR_OK; i++) result = check_plot(s, &s->spec->curves[i]);
+    return result;
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
@@ -126,16 +143,18 @@ end:
     return result;
 }
 
-/* A run that fails is a row that says why. */
-static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const key *k)
+/* A run that fails is a row that says why; one that was asked to stop is none: it is made again. */
+static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const key *k, bool *made)
 {
     double values[SSFR_N_COLUMNS];
     char error[SSFR_CAPTURE_SIZE];
     ssfr_capture_begin("sweep");
-    const ssfr_result made = ssfr_rig_run(s->rig, index, values);
+    const ssfr_result ran = ssfr_rig_run(s->rig, index, values);
     ssfr_capture_end(error);
-    s->n_failed += made != SSFR_OK;
-    return write_row(s, k, made == SSFR_OK ? "ok" : error[0] ? error : ssfr_result_text(made), values);
+    *made = ran == SSFR_OK || !ssfr_interrupt_came();
+    if (!*made) return SSFR_OK;
+    s->n_failed += ran != SSFR_OK;
+    return write_row(s, k, ran == SSFR_OK ? "ok" : error[0] ? error : ssfr_result_text(ran), values);
 }
 
 /* Makes the runs of this shard that the table lacks, or counts them. */
@@ -151,11 +170,12 @@ static ssfr_result visit_runs(sweep *s, bool count_only, size_t *n)
         ssfr_sweep_spec_run(s->spec, i, index);
         fill_key(s, index, &k);
         if (ssfr_csv_has(s->csv, k.cells)) continue;
+        bool made = true;
         if (!count_only) {
             ssfr_console_progress("sweep", done, total);
-            SSFR_TRY(make_row(s, index, &k));
+            SSFR_TRY(make_row(s, index, &k, &made));
         }
-        done++;
+        done += made;
     }
 end:
     if (!count_only) ssfr_console_progress("sweep", total, total);
@@ -172,6 +192,20 @@ static uint64_t hash_settings(uint64_t hash, const ssfr_settings *settings)
     return ssfr_hash_text(hash, "");
 }
 
+static uint64_t hash_truth(uint64_t hash, const sweep *s)
+{
+    const ssfr_truth_params *truth = ssfr_rig_truth(s->rig);
+    char name[128], text[256];
+    const ssfr_param *row;
+    const void *group;
+    for (int i = 0; truth && ssfr_truth_key_at(truth, i, name, &row, &group); i++) {
+        if (ssfr_sweep_spec_axis(s->spec, name)) continue; /* stands in the rows */
+        ssfr_param_format(row, group, text, sizeof text);
+        hash = ssfr_hash_text(ssfr_hash_text(hash, name), text);
+    }
+    return hash;
+}
+
 /* Rows measured with other settings, another view, by another build or on other hardware must not stand in one table:
  * its metadata would say of all of them what is true of the last alone. */
 static uint64_t identity_of(const sweep *s)
@@ -183,9 +217,10 @@ static uint64_t identity_of(const sweep *s)
     char text[512];
     uint64_t hash = ssfr_hash_text(SSFR_HASH, ssfr_pipeline_name(s->pipeline));
     hash = hash_settings(hash_settings(hash, &s->spec->settings), &s->spec->reference);
-    snprintf(text, sizeof text, "%s %s %d %d %ld %d %d %d", ssfr_version(), ssfr_meta_commit(), omp_get_max_threads(),
-             s->spec->has_reference, s->o->seed, v->drop_nonfinite, s->o->quick, s->o->no_twin);
-    hash = ssfr_hash_text(hash, text);
+    snprintf(text, sizeof text, "%s %s %d %d %d %ld %d %d %d", ssfr_version(), ssfr_meta_commit(),
+             omp_get_max_threads(), s->spec->compared_with, SSFR_TRUTH_VERSION, s->o->seed, v->drop_nonfinite,
+             s->o->quick, s->o->no_twin);
+    hash = hash_truth(ssfr_hash_text(hash, text), s);
     hash = ssfr_hash_bytes(hash, view, sizeof view);
     hash = ssfr_hash_text(ssfr_hash_text(hash, v->camera ? v->camera : ""), v->map ? v->map : "");
     ssfr_meta_processor(text, sizeof text);
@@ -229,6 +264,7 @@ static ssfr_result begin_table(sweep *s)
                             .gl = s->gl,
                             .pipeline = ssfr_pipeline_name(s->pipeline),
                             .graph = ssfr_rig_graph(s->rig),
+                            .truth = ssfr_rig_truth(s->rig),
                             .spec = s->spec,
                             .n_columns = SSFR_N_COLUMNS,
                             .columns = ssfr_columns,
@@ -291,22 +327,6 @@ end:
     return result;
 }
 
-static ssfr_result draw_plot(const sweep *s)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_csv_table *table = NULL;
-    char *svg = NULL;
-    ssfr_plot_spec spec = s->spec->plot;
-    if (!spec.title) spec.title = s->spec->title;
-    SSFR_TRY(ssfr_meta_path(&svg, s->o->output, ".svg"));
-    SSFR_TRY(ssfr_csv_load(&table, s->o->output));
-    SSFR_TRY(ssfr_plot_save(svg, table, &spec));
-end:
-    ssfr_csv_table_destroy(&table);
-    free(svg);
-    return result;
-}
-
 static ssfr_result run(sweep *s)
 {
     ssfr_result result = SSFR_OK;
@@ -316,7 +336,7 @@ static ssfr_result run(sweep *s)
     SSFR_TRY(begin_table(s));
     SSFR_TRY(visit_runs(s, true, &n));
     const size_t todo = n;
-    ssfr_interrupt_begin(); /* the row in progress is finished */
+    ssfr_interrupt_begin(); /* the row in progress is finished, but for a truth that is being cast */
     result = visit_runs(s, false, &n);
     ssfr_interrupt_end();
     if (result != SSFR_OK) goto end;
@@ -325,8 +345,8 @@ static ssfr_result run(sweep *s)
     if (n < todo)
         result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu runs%s", n, todo,
                            s->o->output ? "; the same command with --resume goes on from there" : "");
-    else if (s->o->output && s->spec->plot.x && !s->o->no_plot)
-        SSFR_TRY(draw_plot(s));
+    else if (s->o->output && !s->o->no_plot)
+        SSFR_TRY(ssfr_figures_draw(s->o->output, s->spec));
 end:
     return result;
 }
@@ -340,15 +360,18 @@ ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options
     s->o = options;
     SSFR_TRY(ssfr_setup_find_pipeline(&s->pipeline, spec->pipeline ? spec->pipeline : "vanderlaan2009"));
     SSFR_TRY(ssfr_rig_check(spec, s->pipeline));
-    SSFR_TRY(count_runs(s));
-    SSFR_TRY(name_columns(s));
-    SSFR_TRY(check_plot(s));
+    SSFR_TRY(ssfr_graph_create(&s->graph, s->pipeline, NULL));
+    s->group = count_group(s);
+    SSFR_TRY(ssfr_sweep_spec_count(spec, &s->n_runs));
+    name_columns(s);
+    SSFR_TRY(check_figures(s));
     SSFR_TRY(options->dry_run ? dry_run(s) : run(s));
 end:
     if (s) {
         ssfr_csv_destroy(&s->csv);
         ssfr_rig_destroy(&s->rig);
         ssfr_gl_destroy(&s->gl);
+        ssfr_graph_destroy(&s->graph);
     }
     free(s);
     return result;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sweep.h: running a sweep into a table, with what it depends on beside it and a plot at the end. */
+/* sweep.h: running a sweep into a table, with what it depends on beside it and figures at the end. */
 #ifndef SSFR_SWEEP_H
 #define SSFR_SWEEP_H
 
@@ -17,8 +17,8 @@ typedef struct ssfr_sweep_options {
     long seed;
 } ssfr_sweep_options;
 
-/* Runs the full product of a complete spec in order. After SIGINT or SIGTERM the row in progress is finished; then it
- * fails. */
+/* Runs the full product of a complete spec in order. After SIGINT or SIGTERM the row in progress is finished, but for
+ * a truth that is being cast: then it fails. Either is gone on with by `resume`. */
 SSFR_MUST ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options *options);
 
 #endif

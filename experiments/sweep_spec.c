@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sweep_spec.c: reading what a sweep runs, with file, line and column in every error. */
 #include "experiments/sweep_spec.h"
+#include "experiments/truth/continuum.h"
 #include "experiments/yaml_tree.h"
+
+#include "base/param.h"
 
 #include <errno.h>
 
 enum { MAX_RUNS = 10000000 };
 static const double hit = 1e-9; /* steps by which hi may be missed and still be included, or 0 and still be 0 */
+static const char truth[] = "truth", truth_kind[] = "truth.kind";
 
 static ssfr_result copy_text(char **out, const char *text, size_t length)
 {
@@ -246,19 +250,59 @@ ssfr_result ssfr_sweep_spec_set_text(ssfr_sweep_spec *spec, const char *where, c
     return add_setting_text(&spec->settings, where, text);
 }
 
+static void finish_settings(ssfr_settings *settings)
+{
+    for (int i = 0; i < settings->n; i++) finish_setting(&settings->items[i]);
+    settings->n = 0;
+}
+
+/* Settings of a frame from elsewhere yield; beside one of the same place it is not clear what is meant. */
+static ssfr_result compare_with_truth(ssfr_sweep_spec *spec, const char *where)
+{
+    const ssfr_settings *frame = &spec->reference;
+    for (int i = 0; i < frame->n; i++)
+        if (strcmp(frame->items[i].where, where) == 0)
+            return ssfr_fail(SSFR_ERR_VALUE, "%s truth: beside %s=%s: the reference is the truth or a frame", where,
+                             frame->items[i].key, frame->items[i].value);
+    finish_settings(&spec->reference);
+    spec->compared_with = SSFR_REFERENCE_TRUTH;
+    return SSFR_OK;
+}
+
 ssfr_result ssfr_sweep_spec_reference_text(ssfr_sweep_spec *spec, const char *where, const char *text)
 {
-    spec->has_reference = true;
+    if (strcmp(text, truth) == 0) return compare_with_truth(spec, where);
+    if (spec->compared_with == SSFR_REFERENCE_TRUTH)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s %s: the reference is the truth, which has no settings of a frame", where,
+                         text);
+    spec->compared_with = SSFR_REFERENCE_FRAME;
     return add_setting_text(&spec->reference, where, text);
+}
+
+/* ---- what every sweep has ---------------------------------------------------------------------------------------- */
+
+/* The kind that all runs are set to, or the default, so that it stands in the table. */
+static const char *kind_of_truth(const ssfr_sweep_spec *spec)
+{
+    const ssfr_param *row = ssfr_param_find(ssfr_continuum_rows, "kind");
+    const char *kind = row->words[(int)row->def];
+    for (int i = 0; i < spec->settings.n; i++)
+        if (strcmp(spec->settings.items[i].key, truth_kind) == 0) kind = spec->settings.items[i].value;
+    return kind;
 }
 
 ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec)
 {
-    static const char *const axes[][2] = {{"scene", "splash"}, {"size", "1280x720"}, {"backend", "gl"}};
+    const struct {
+        const char *key, *value; /* NULL: not needed */
+    } axes[] = {{"scene", "splash"},
+                {"size", "1280x720"},
+                {truth_kind, spec->compared_with == SSFR_REFERENCE_TRUTH ? kind_of_truth(spec) : NULL},
+                {"backend", "gl"}};
     ssfr_result result = SSFR_OK;
     for (size_t i = 0; i < SSFR_COUNT(axes) && result == SSFR_OK; i++)
-        if (!ssfr_sweep_spec_axis(spec, axes[i][0]))
-            result = ssfr_sweep_spec_vary(spec, "default", axes[i][0], axes[i][1]);
+        if (axes[i].value && !ssfr_sweep_spec_axis(spec, axes[i].key))
+            result = ssfr_sweep_spec_vary(spec, "default", axes[i].key, axes[i].value);
     return result;
 }
 
@@ -282,9 +326,13 @@ ssfr_result ssfr_sweep_spec_create(ssfr_sweep_spec **out)
     return ssfr_alloc(out, 1, sizeof **out, "a sweep");
 }
 
-static void finish_settings(ssfr_settings *settings)
+static void finish_plot(ssfr_plot_spec *plot)
 {
-    for (int i = 0; i < settings->n; i++) finish_setting(&settings->items[i]);
+    for (int i = 0; i < plot->n_lines; i++) free(plot->lines[i]);
+    for (int i = 0; i < plot->n_only; i++) free(plot->only[i].column), free(plot->only[i].cell);
+    free(plot->title);
+    free(plot->x);
+    free(plot->y);
 }
 
 void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec)
@@ -294,10 +342,8 @@ void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec)
     for (int i = 0; i < s->n_axes; i++) finish_axis(&s->axes[i]);
     finish_settings(&s->settings);
     finish_settings(&s->reference);
-    for (int i = 0; i < s->plot.n_lines; i++) free(s->plot.lines[i]);
-    free(s->plot.title);
-    free(s->plot.x);
-    free(s->plot.y);
+    finish_plot(&s->plot);
+    for (int i = 0; i < s->n_curves; i++) finish_plot(&s->curves[i]);
     free(s->title);
     free(s->pipeline);
     free(s);
@@ -395,8 +441,11 @@ end:
 static ssfr_result read_reference(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     ssfr_sweep_spec *spec = to;
-    spec->has_reference = true;
-    return read_settings(node, row, &spec->reference);
+    const bool is_truth = node->kind == SSFR_YAML_TEXT && strcmp(node->text, truth) == 0;
+    if (!is_truth && node->kind != SSFR_YAML_MAP)
+        return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "%s: expected truth, or a map of a frame's settings", node->name);
+    spec->compared_with = is_truth ? SSFR_REFERENCE_TRUTH : SSFR_REFERENCE_FRAME;
+    return is_truth ? SSFR_OK : read_settings(node, row, &spec->reference);
 }
 
 static ssfr_result read_lines(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
@@ -416,6 +465,23 @@ end:
     return result;
 }
 
+static ssfr_result read_only(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_plot_spec *plot = to;
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
+    for (size_t i = 0; i < node->n; i++) {
+        if (plot->n_only == SSFR_MAX_ONLY)
+            return ssfr_yaml_fail(node->keys[i], SSFR_ERR_FORMAT, "%s: more than %d columns", node->name,
+                                  SSFR_MAX_ONLY);
+        plot->n_only++; /* counted even when it is refused, so that it is freed */
+        SSFR_TRY(ssfr_yaml_read_text(node->keys[i], row, &plot->only[i].column));
+        SSFR_TRY(ssfr_yaml_read_text(node->values[i], row, &plot->only[i].cell));
+    }
+end:
+    return result;
+}
+
 static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     static const ssfr_yaml_row rows[] = {
@@ -423,6 +489,7 @@ static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *ro
         SSFR_YAML_ROW("x", ssfr_yaml_read_text, ssfr_plot_spec, x),
         SSFR_YAML_ROW("y", ssfr_yaml_read_text, ssfr_plot_spec, y),
         SSFR_YAML_ROW_ALL("lines", read_lines),
+        SSFR_YAML_ROW_ALL("only", read_only),
         SSFR_YAML_ROW_END,
     };
     ssfr_result result = SSFR_OK;
@@ -430,7 +497,23 @@ static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *ro
     (void)row;
     SSFR_TRY(ssfr_yaml_read_map(node, rows, to));
     if (!plot->x || !plot->y)
-        result = ssfr_yaml_fail(node->key, SSFR_ERR_FORMAT, "%s: x and y must be given", node->name);
+        result = ssfr_yaml_fail(ssfr_yaml_head(node), SSFR_ERR_FORMAT, "%s: x and y must be given", node->name);
+end:
+    return result;
+}
+
+/* A panel, or a list of them. */
+static ssfr_result read_curves(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_sweep_spec *spec = to;
+    const size_t n = node->kind == SSFR_YAML_LIST ? node->n : 1;
+    for (size_t i = 0; i < n; i++) {
+        const ssfr_yaml_node *panel = node->kind == SSFR_YAML_LIST ? node->values[i] : node;
+        if (i == SSFR_MAX_PANELS)
+            return ssfr_yaml_fail(panel, SSFR_ERR_FORMAT, "%s: more than %d panels", node->name, SSFR_MAX_PANELS);
+        SSFR_TRY(read_plot(panel, row, &spec->curves[spec->n_curves++]));
+    }
 end:
     return result;
 }
@@ -447,6 +530,7 @@ static ssfr_result read_yaml(ssfr_sweep_spec *spec, const char *path, const char
         SSFR_YAML_ROW_ALL("vary", read_vary),
         SSFR_YAML_ROW_ALL("reference", read_reference),
         SSFR_YAML_ROW("plot", read_plot, ssfr_sweep_spec, plot),
+        SSFR_YAML_ROW_ALL("curves", read_curves),
         SSFR_YAML_ROW_END,
     };
     ssfr_yaml *tree;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sweep_spec.h: what a sweep runs: axes, fixed settings, a reference, a plot; from YAML or from the command line.
+/* sweep_spec.h: what a sweep runs: axes, fixed settings, a reference, figures; from YAML or from the command line.
  *
  *      title: what the sweep asks                      # all keys but vary may be missing
  *      pipeline: vanderlaan2009
@@ -11,7 +11,12 @@
  *        curvature_flow.iterations: 0:80:10
  *        curvature_flow.step: [0.3, 0.6, 0.9]
  *      reference: {curvature_flow.iterations: 60}      # settings of the frame that all are compared with
- *      plot: {x: ref_normal_mean_deg, y: ms_median, lines: [sphere_depth.splat, backend]} */
+ *      plot: {x: ref_normal_mean_deg, y: ms_median, lines: [sphere_depth.splat, backend]}
+ *      curves:                                         # panels of one more figure
+ *        - {x: curvature_flow.iterations, y: ref_normal_mean_deg, lines: [sphere_depth.splat], only: {backend: cpu}}
+ *
+ * `reference: truth` compares with what rays meet (truth/truth.h). Then truth.*, extinction.*, path.* and anisotropy.*
+ * may be set and varied, too; truth.kind is an axis always, so that every row names its truth. */
 #ifndef SSFR_SWEEP_SPEC_H
 #define SSFR_SWEEP_SPEC_H
 
@@ -21,7 +26,9 @@ enum {
     SSFR_MAX_AXES = 16,
     SSFR_MAX_VALUES = 10000, /* of an axis */
     SSFR_MAX_SETTINGS = 256,
-    SSFR_MAX_LINES = 4, /* columns that together name a line of the plot */
+    SSFR_MAX_LINES = 4,  /* columns that together name a line of a figure */
+    SSFR_MAX_PANELS = 8, /* of the curves */
+    SSFR_MAX_ONLY = 4,   /* columns that choose the rows of a figure */
 };
 
 /* One dimension of the table. A key is a parameter's, or "scene", "size" or "backend". */
@@ -46,17 +53,29 @@ typedef struct ssfr_settings {
 
 typedef struct ssfr_plot_spec { /* columns by name; x NULL: no plot */
     char *title, *x, *y;
-    int n_lines;
+    int n_lines, n_only;
     char *lines[SSFR_MAX_LINES];
+    struct {
+        char *column, *cell;
+    } only[SSFR_MAX_ONLY]; /* rows with these cells alone; none: all */
 } ssfr_plot_spec;
+
+/* What the errors are measured against. */
+typedef enum ssfr_reference_kind {
+    SSFR_REFERENCE_NONE,
+    SSFR_REFERENCE_FRAME, /* a frame of the double twins with settings of its own */
+    SSFR_REFERENCE_TRUTH, /* ray-cast */
+} ssfr_reference_kind;
 
 typedef struct ssfr_sweep_spec {
     char *title, *pipeline; /* NULL when not given */
     int n_axes;
     ssfr_axis axes[SSFR_MAX_AXES];
-    ssfr_settings settings, reference;
-    bool has_reference;
+    ssfr_settings settings, reference; /* of every run; of the frame that they are compared with */
+    ssfr_reference_kind compared_with;
     ssfr_plot_spec plot;
+    int n_curves;
+    ssfr_plot_spec curves[SSFR_MAX_PANELS];
 } ssfr_sweep_spec;
 
 SSFR_MUST ssfr_result ssfr_sweep_spec_create(ssfr_sweep_spec **out);
@@ -74,9 +93,10 @@ SSFR_MUST ssfr_result ssfr_sweep_spec_vary_text(ssfr_sweep_spec *spec, const cha
 SSFR_MUST ssfr_result ssfr_sweep_spec_set_text(ssfr_sweep_spec *spec, const char *where, const char *text);
 SSFR_MUST ssfr_result ssfr_sweep_spec_pipeline(ssfr_sweep_spec *spec, const char *name);
 
-/* The same for the reference, which is there from then on. */
+/* "truth", or the same for the frame that is the reference then; what a file sets of a frame yields to "truth". */
 SSFR_MUST ssfr_result ssfr_sweep_spec_reference_text(ssfr_sweep_spec *spec, const char *where, const char *text);
-/* Adds the axes that every sweep has and this one lacks: one scene, one size, one backend; the backend comes last. */
+/* Adds the axes that every sweep has and this one lacks: one scene, one size, one kind of truth where that is the
+ * reference, one backend; the backend comes last. */
 SSFR_MUST ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec);
 
 /* The axis of that key, NULL when there is none. */

@@ -19,6 +19,11 @@ column() {
     awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name || index($i, name " [") == 1) c = i; next }
                           { print $c }' "$1"
 }
+# pick FILE LINE NAMES: cells of a line, with a space behind each.
+pick() {
+    file=$1 line=$2; shift 2
+    for name; do printf '%s ' "$(column "$file" "$name" | sed -n "$((line - 1))p")"; done
+}
 keys() { sed 1d "$1" | cut -d, -f1-7 | sort; }
 each_once() { [ -z "$(keys "$1" | uniq -d)" ] && [ "$(rows "$1")" -eq "$2" ]; }
 nothing_but() { [ "$(ls | sort | tr '\n' ' ')" = "$(printf '%s\n' err out "$@" | sort | tr '\n' ' ')" ]; }
@@ -61,10 +66,45 @@ rm t.*
 
 leaves 0 'a run is compared with a reference' sweep $cpu $brief \
     --vary curvature_flow.iterations=10,20 --reference curvature_flow.iterations=20 -o r.csv
-that 'which it is, for one of them' [ "$(sed -n 3p r.csv | grep -c ',0,0,0,1,inf,1$')" -eq 1 ]
-that 'and is not, for the other' \
-    awk -F, 'NR == 2 && $(NF - 5) > 0 && $(NF - 3) > 0 && $(NF - 1) < 100 { found = 1 } END { exit !found }' r.csv
+that 'which it is, for one of them' \
+    [ "$(pick r.csv 3 ref_depth_rms ref_iou ref_psnr ref_thickness_rms)" = '0 1 inf 0 ' ]
+that 'and is not, for the other' awk -v v="$(pick r.csv 2 ref_depth_rms ref_normal_mean_deg ref_psnr)" \
+    'BEGIN { split(v, x, " "); exit !(x[1] > 0 && x[2] > 0 && x[3] < 100) }'
+that 'the twin has the same error' [ "$(column r.csv ref_depth_rms)" = "$(column r.csv method_depth_rms)" ]
+that 'no bound is known of a frame' [ "$(column r.csv truth_depth_err_mean | sort -u)" = NaN ]
 rm r.*
+
+# ---- the truth ----
+
+XDG_CACHE_HOME=$work/cache
+export XDG_CACHE_HOME
+rays="$cpu $brief --reference truth --set thickness.splat=exact --set downsample.factor=1"
+leaves 0 'a run is compared with the truth' sweep $rays --set sphere_depth.splat=exact \
+    --vary curvature_flow.iterations=0,5 --vary truth.kind=spheres,density -o y.csv
+that 'which stands in every row' [ "$(column y.csv truth.kind | tr '\n' ' ')" = 'spheres density spheres density ' ]
+that 'unsmoothed exact splats are the spheres themselves' \
+    [ "$(column y.csv method_depth_rms | awk 'NR == 1 && $1 < 1e-9 || NR > 1 && $1 > 1e-4' | wc -l)" -eq 4 ]
+that 'the bound on its own error stands beside' \
+    [ "$(column y.csv truth_depth_err_mean | awk '$1 >= 0 && $1 < 1e-9' | wc -l)" -eq 4 ]
+that 'its parameters stand in the metadata' \
+    [ "$(grep -c '"reference": "truth"\|"truth.level": \|"truth.parts": "surface,thickness"' y.meta.json)" -eq 3 ]
+that 'but for the axis' [ "$(grep -c '"truth.kind": ' y.meta.json)" -eq 1 ]
+sed 3,4d y.csv >half.csv && mv half.csv y.csv
+leaves 0 'it is resumed' sweep $rays --set sphere_depth.splat=exact \
+    --vary curvature_flow.iterations=0,5 --vary truth.kind=spheres,density -o y.csv --resume
+that 'to every row once' \
+    [ "$(sed 1d y.csv | cut -d, -f1-2 | sort | tr '\n' ' ')" = '0,density 0,spheres 5,density 5,spheres ' ]
+refuses 'but not against another truth' 'y.csv: was measured with other settings' \
+    sweep $rays --set sphere_depth.splat=exact --set truth.level=0.4 \
+    --vary curvature_flow.iterations=0,5 --vary truth.kind=spheres,density -o y.csv --resume
+leaves 0 'a truth that is not named is that of the density' sweep $rays --vary curvature_flow.iterations=3
+that 'and stands in the table all the same' [ "$(column out truth.kind)" = density ]
+refuses 'a truth that is none is named' 'truth.kind=cubes: expected one of' sweep $rays --vary truth.kind=cubes
+refuses 'a parameter of truth needs truth' '--vary: truth.level: only a sweep with `reference: truth` has it' \
+    sweep $cpu --vary truth.level=0.4
+refuses 'the reference is one of two' '--reference truth: beside curvature_flow.iterations=6' \
+    sweep $cpu --vary curvature_flow.iterations=3 --reference curvature_flow.iterations=6 --reference truth
+rm y.* && rm -r cache
 
 # ---- killed and resumed ----
 
@@ -171,6 +211,13 @@ that 'nothing is left of all this' nothing_but spec.yaml wrong.yaml
 
 leaves 0 'a spec is run' sweep spec.yaml $brief -o p.csv
 that 'and its plot drawn' grep -q '</svg>' p.svg
+printf '%s\n' 'curves:' '  - {x: curvature_flow.iterations, y: ms_median, lines: [backend], only: {width: 48}}' \
+    '  - {title: B, x: curvature_flow.iterations, y: taps}' | cat spec.yaml - >curves.yaml
+leaves 0 'curves are drawn, too' sweep curves.yaml $brief -o p.csv
+that 'in a figure of their own' grep -q '</svg>' p_curves.svg
+sed 's/y: taps/y: tips/' curves.yaml >wrong.yaml
+refuses 'of columns that there are' 'plot: the table will have no column tips' sweep wrong.yaml -o p.csv
+rm curves.yaml
 rm ./p.*
 leaves 0 'a plot can be left out' sweep spec.yaml $brief -o p.csv --no-plot
 that 'and is' [ ! -e p.svg ]
@@ -203,9 +250,13 @@ rm ./b.*
 if "$ssfr" check background --scene empty >out 2>err; then
     leaves 0 'rounding is compared with the twin' sweep --scene block --size 48x32 \
         --backend gl,cpu $brief --vary sphere_depth.splat=point,quad
+    column out backend >backends
+    column out twin_psnr >psnrs
+    column out twin_normal_mean_deg >angles
     that 'for OpenGL, where it is small' \
-        [ "$(awk -F, 'NR > 1 && $4 == "gl" && $(NF - 6) > 60 && $(NF - 7) < 0.1' out | wc -l)" -eq 2 ]
-    that 'and not for the twin itself' [ "$(awk -F, 'NR > 1 && $4 == "cpu" && $(NF - 6) == "NaN"' out | wc -l)" -eq 2 ]
+        [ "$(paste -d' ' backends psnrs angles | awk '$1 == "gl" && $2 > 60 && $3 < 0.1' | wc -l)" -eq 2 ]
+    that 'and not for the twin itself' [ "$(paste -d' ' backends psnrs | grep -c '^cpu NaN$')" -eq 2 ]
+    rm backends psnrs angles
     run sweep --scene block --size 48x32 $brief --vary sphere_depth.max_point_px=50,2000 --set sphere_depth.splat=point
     that 'a run that fails is no failure of the sweep' [ $status -eq 0 ]
     that 'but a warning' grep -q 'warning: 1 of 2 runs failed' err

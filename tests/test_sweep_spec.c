@@ -203,13 +203,73 @@ static void a_reference_is_there_once_it_has_a_setting(void **state)
 {
     (void)state;
     ssfr_sweep_spec *spec = new_spec();
-    assert_false(spec->has_reference);
+    assert_int_equal(spec->compared_with, SSFR_REFERENCE_NONE);
     assert_int_equal(ssfr_sweep_spec_reference_text(spec, "--reference", "flow.step=2.385"), SSFR_OK);
-    assert_true(spec->has_reference);
+    assert_int_equal(spec->compared_with, SSFR_REFERENCE_FRAME);
     assert_string_equal(spec->reference.items[0].value, "2.385");
     assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_reference_text(spec, "--reference", "flow"),
                  "--reference flow: expected");
     ssfr_sweep_spec_destroy(&spec);
+}
+
+static void the_reference_is_the_truth_or_a_frame(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    assert_int_equal(ssfr_sweep_spec_reference_text(spec, "--reference", "truth"), SSFR_OK);
+    assert_int_equal(spec->compared_with, SSFR_REFERENCE_TRUTH);
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_reference_text(spec, "--reference", "flow.step=2.385"),
+                 "--reference flow.step=2.385: the reference is the truth");
+    assert_int_equal(spec->reference.n, 0);
+    ssfr_sweep_spec_destroy(&spec);
+    spec = new_spec();
+    assert_int_equal(ssfr_sweep_spec_reference_text(spec, "--reference", "flow.step=2.385"), SSFR_OK);
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_reference_text(spec, "--reference", "truth"),
+                 "--reference truth: beside flow.step=2.385");
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void a_frame_of_the_file_yields_to_the_truth_of_the_command_line(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = new_spec();
+    assert_int_equal(ssfr_sweep_spec_reference_text(spec, "spec.yaml:7:3", "flow.step=2.385"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_reference_text(spec, "--reference", "truth"), SSFR_OK);
+    assert_int_equal(spec->compared_with, SSFR_REFERENCE_TRUTH);
+    assert_int_equal(spec->reference.n, 0);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+/* A completed sweep's kind of truth; "" when it has no such axis. */
+static const char *kind_of(ssfr_sweep_spec *spec, char text[64])
+{
+    assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, "truth.kind");
+    snprintf(text, 64, "%s", axis ? axis->values[axis->n - 1] : "");
+    assert_string_equal(spec->axes[spec->n_axes - 1].key, "backend");
+    ssfr_sweep_spec_destroy(&spec);
+    return text;
+}
+
+static void every_table_names_its_truth(void **state)
+{
+    (void)state;
+    char text[64];
+    ssfr_sweep_spec *spec = new_spec();
+    assert_string_equal(kind_of(spec, text), "");
+    spec = new_spec();
+    assert_int_equal(ssfr_sweep_spec_reference_text(spec, "", "truth"), SSFR_OK);
+    assert_string_equal(kind_of(spec, text), "density");
+    spec = new_spec();
+    assert_int_equal(ssfr_sweep_spec_reference_text(spec, "", "truth"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_set_text(spec, "", "truth.kind=zhu_bridson"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_set_text(spec, "", "truth.kind=spheres"), SSFR_OK);
+    assert_string_equal(kind_of(spec, text), "spheres");
+    spec = new_spec();
+    assert_int_equal(ssfr_sweep_spec_reference_text(spec, "", "truth"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_set_text(spec, "", "truth.kind=spheres"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_vary_text(spec, "", "truth.kind=density,anisotropic"), SSFR_OK);
+    assert_string_equal(kind_of(spec, text), "anisotropic");
 }
 
 static const char whole[] = "# a comment\n"
@@ -225,7 +285,10 @@ static const char whole[] = "# a comment\n"
                             "backend: gl, cpu\n"
                             "reference:\n"
                             "  flow.iterations: 60\n"
-                            "plot: {title: Work, x: ref_psnr, y: ms_median, lines: [flow.step, backend]}\n";
+                            "plot: {title: Work, x: ref_psnr, y: ms_median, lines: [flow.step, backend]}\n"
+                            "curves:\n"
+                            "  - {x: flow.iterations, y: ref_psnr, lines: [flow.step], only: {backend: cpu}}\n"
+                            "  - {title: Time, x: flow.iterations, y: ms_median}\n";
 
 static ssfr_result load_text(ssfr_sweep_spec **spec, const char *text, size_t size)
 {
@@ -247,12 +310,18 @@ static void assert_whole(const ssfr_sweep_spec *spec)
     assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
     assert_int_equal(n, 2 * 3 * 2 * 2 * 2);
     assert_int_equal(spec->settings.n, 1);
-    assert_true(spec->has_reference);
+    assert_int_equal(spec->compared_with, SSFR_REFERENCE_FRAME);
     assert_string_equal(spec->reference.items[0].value, "60");
     assert_string_equal(spec->plot.x, "ref_psnr");
     assert_string_equal(spec->plot.title, "Work");
     assert_int_equal(spec->plot.n_lines, 2);
     assert_string_equal(spec->plot.lines[1], "backend");
+    assert_int_equal(spec->n_curves, 2);
+    assert_string_equal(spec->curves[0].only[0].column, "backend");
+    assert_string_equal(spec->curves[0].only[0].cell, "cpu");
+    assert_null(spec->curves[0].title);
+    assert_string_equal(spec->curves[1].y, "ms_median");
+    assert_int_equal(spec->curves[1].n_lines, 0);
 }
 
 static void a_whole_sweep_is_read(void **state)
@@ -263,6 +332,26 @@ static void a_whole_sweep_is_read(void **state)
     assert_whole(spec);
     assert_non_null(strstr(spec->axes[2].where, "spec.yaml:8:3"));
     assert_non_null(strstr(spec->settings.items[0].where, "spec.yaml:6:7"));
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void truth_is_a_word_and_its_parameters_stand_beside_the_others(void **state)
+{
+    (void)state;
+    static const char text[] = "set: {truth.level: 0.4, truth.parts: \"surface,colour\"}\n"
+                               "vary:\n  truth.kind: [density, spheres]\n  extinction.radius: 0.5:1.5:0.5\n"
+                               "reference: truth\n"
+                               "curves: {x: ms_median, y: ref_iou}\n";
+    ssfr_sweep_spec *spec = NULL;
+    size_t n = 0;
+    assert_int_equal(load_text(&spec, text, sizeof text - 1), SSFR_OK);
+    assert_int_equal(spec->compared_with, SSFR_REFERENCE_TRUTH);
+    assert_int_equal(spec->settings.n, 2);
+    assert_string_equal(spec->settings.items[1].value, "surface,colour");
+    assert_int_equal(spec->n_curves, 1);
+    assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
+    assert_int_equal(n, 6);
     ssfr_sweep_spec_destroy(&spec);
 }
 
@@ -309,11 +398,24 @@ static void malformed_sweeps_are_refused_with_their_place(void **state)
         {SSFR_ERR_FORMAT, "scene: a\nvary:\n  scene: b\n", "spec.yaml:3:3: scene is varied twice"},
         {SSFR_ERR_FORMAT, "set: [a]\n", "spec.yaml:1:6: set: expected a map"},
         {SSFR_ERR_FORMAT, "set:\n  a.b: [1]\n", "spec.yaml:2:8: a.b: expected one value"},
-        {SSFR_ERR_FORMAT, "reference: 1\n", "spec.yaml:1:12: reference: expected a map"},
+        {SSFR_ERR_FORMAT, "reference: 1\n", "spec.yaml:1:12: reference: expected truth, or a map"},
+        {SSFR_ERR_FORMAT, "reference: Truth\n", "spec.yaml:1:12: reference: expected truth, or a map"},
+        {SSFR_ERR_FORMAT, "reference: [truth]\n", "spec.yaml:1:12: reference: expected truth, or a map"},
+        {SSFR_ERR_FORMAT, "reference:\n  a.b: [1]\n", "spec.yaml:2:8: a.b: expected one value"},
         {SSFR_ERR_FORMAT, "plot: {x: a}\n", "spec.yaml:1:1: plot: x and y must be given"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, z: c}\n", "spec.yaml:1:20: plot: no key z"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, lines: c}\n", "spec.yaml:1:27: lines: expected a list of columns"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, lines: [a, b, c, d, e]}\n", "spec.yaml:1:40: lines: more than 4 columns"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: c}\n", "spec.yaml:1:26: only: expected a map"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {c: [d]}}\n", "spec.yaml:1:30: c: expected one value"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {a: a, b: b, c: c, d: d, e: e}}\n",
+         "spec.yaml:1:51: only: more than 4 columns"},
+        {SSFR_ERR_FORMAT, "curves: a\n", "spec.yaml:1:9: curves: expected a map"},
+        {SSFR_ERR_FORMAT, "curves: [{x: a, y: b}, {x: a}]\n", "spec.yaml:1:24: curves: x and y must be given"},
+        {SSFR_ERR_FORMAT, "curves: [{x: a, y: b, z: c}]\n", "spec.yaml:1:23: curves: no key z"},
+        {SSFR_ERR_FORMAT,
+         "curves:\n - &p {x: a, y: b}\n - *p\n - *p\n - *p\n - *p\n - *p\n - *p\n - *p\n - *p\n",
+         "curves: more than 8 panels"},
         {SSFR_ERR_FORMAT, "title: \"a\\0b\"\n", "spec.yaml:1:8: title: a zero byte in the value"},
         {SSFR_ERR_FORMAT, "title: [x\n", "spec.yaml:2:1: did not find expected ',' or ']'"},
         {SSFR_ERR_FORMAT, "title: x\n\tscene: y\n", "spec.yaml:2:1: found"},
@@ -369,6 +471,10 @@ int main(void)
         cmocka_unit_test(settings_are_split_at_the_first_equals_sign),
         cmocka_unit_test(a_sweep_is_completed_by_what_it_lacks),
         cmocka_unit_test(a_reference_is_there_once_it_has_a_setting),
+        cmocka_unit_test(the_reference_is_the_truth_or_a_frame),
+        cmocka_unit_test(a_frame_of_the_file_yields_to_the_truth_of_the_command_line),
+        cmocka_unit_test(every_table_names_its_truth),
+        cmocka_unit_test(truth_is_a_word_and_its_parameters_stand_beside_the_others),
         cmocka_unit_test(a_whole_sweep_is_read),
         cmocka_unit_test(a_sweep_is_read_from_standard_input),
         cmocka_unit_test(malformed_sweeps_are_refused_with_their_place),
