@@ -15,6 +15,7 @@ typedef struct ssfr_radial {
     double (*both)(double q, double *steepness);
     double (*chord)(double b, double s);
     double chord_err; /* bound on the absolute error of a chord that rounding leaves */
+    double seam;      /* q, (0, 1]: w is of two smooth pieces that meet there; 1: of one */
 } ssfr_radial;
 
 enum { SSFR_N_RADIALS = 3 };
