@@ -12,7 +12,7 @@ static const double step_length = 0.4;   /* of a first try */
 static const double piece_length = 3;    /* of a line that is cast piece by piece; each further one is twice as long */
 /* A ray that begins on the surface may for so long be on the wrong side of it, by its origin's rounding. */
 static const double start_length = 1e-6;
-enum { EVALUATIONS = 64 }; /* in one step; each time so many are through, shorter lengths are given up */
+enum { EVALUATIONS = 128 }; /* in one step; each time so many are through, shorter lengths are given up */
 
 ssfr_result ssfr_crossings_init(ssfr_crossings *crossings)
 {
@@ -190,7 +190,11 @@ static double end_of_doubt(const walk *w, const ssfr_span_bounds *bounds, double
 static ssfr_result pass_monotone(walk *w, const ssfr_span_bounds *bounds, double end, int side)
 {
     ssfr_result result = SSFR_OK;
-    if (w->side == 0) return settle(w, side, end_of_doubt(w, bounds, end, side));
+    if (w->side == 0) {
+        const int here = ssfr_span_side_at(w->span, w->at);
+        if (here == 0) return settle(w, side, end_of_doubt(w, bounds, end, side));
+        SSFR_TRY(settle(w, here, w->at));
+    }
     if (w->side == side) return SSFR_OK;
     SSFR_TRY(find_root(w, w->at, end, side > 0));
     w->side = side;
@@ -378,6 +382,7 @@ ssfr_result ssfr_crossings_find(ssfr_crossings *crossings, const ssfr_line *line
     const size_t begun = span->evaluations;
     forget(crossings);
     SSFR_TRY(walk_on(&w, end_of(line)));
+    if (w.side == 0 && w.at < line->to) SSFR_TRY(settle(&w, -1, w.at)); /* nothing is behind */
     if (w.side == 0 && w.at > w.zone) touch(crossings, w.zone, w.at - w.zone);
     if (line->hidden > 0) touch(crossings, line->from, line->hidden); /* somewhere behind */
 end:
