@@ -310,20 +310,27 @@ end:
     return result;
 }
 
+/* Appends what of a kernel lies in (a, b): its begin and end, and where the pieces that it is made of meet. */
+static size_t add_breaks(const ssfr_line *line, const ssfr_line_kernel *k, double a, double b, double *all, size_t n)
+{
+    const double seam = line->fluid->radial ? line->fluid->radial->seam : 1;
+    const double within = seam < 1 && k->near2 < seam * seam ? sqrt((seam * seam - k->near2) / k->stretch) : 0;
+    const double places[] = {k->enters, k->leaves, k->middle - within, k->middle + within};
+    for (int i = 0; i < (within > 0 ? 4 : 2); i++)
+        if (places[i] > a && places[i] < b) all[n++] = places[i];
+    return n;
+}
+
 ssfr_result ssfr_line_breaks(ssfr_line *line, double a, double b, size_t *n, const double **breaks)
 {
     ssfr_result result = SSFR_OK;
     size_t found = 0, kept = 1;
     *n = 0;
     *breaks = NULL;
-    SSFR_TRY(reserve_breaks(line, 2 * line->n + 2));
+    SSFR_TRY(reserve_breaks(line, 4 * line->n + 2));
     double *all = line->breaks;
     all[found++] = a;
-    for (size_t i = 0; i < line->n; i++) {
-        const ssfr_line_kernel *k = line->kernels + i;
-        if (k->enters > a && k->enters < b) all[found++] = k->enters;
-        if (k->leaves > a && k->leaves < b) all[found++] = k->leaves;
-    }
+    for (size_t i = 0; i < line->n; i++) found = add_breaks(line, line->kernels + i, a, b, all, found);
     all[found++] = b;
     qsort(all, found, sizeof *all, by_value);
     for (size_t i = 1; i < found; i++)
