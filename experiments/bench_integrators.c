@@ -238,7 +238,13 @@ static size_t best_of(const ssfr_csv_table *t, size_t begin, size_t end)
 static ssfr_result print_row(ssfr_table *out, const ssfr_csv_table *t, size_t row)
 {
     ssfr_result result = SSFR_OK;
+    const char *status = ssfr_csv_cell(t, row, N_KEYS);
     for (int k = 1; k < N_KEYS; k++) SSFR_TRY(ssfr_table_add(out, "%s", ssfr_csv_cell(t, row, k)));
+    if (strcmp(status, "ok") != 0) {
+        SSFR_TRY(ssfr_table_add(out, "%s", status));
+        for (int i = 1; i < 8; i++) SSFR_TRY(ssfr_table_add(out, "-"));
+        return SSFR_OK;
+    }
     SSFR_TRY(ssfr_table_add(out, "%.1e", cell(t, row, "error_max")));
     SSFR_TRY(ssfr_table_add(out, "%.1e", cell(t, row, "claimed_max")));
     SSFR_TRY(ssfr_table_add(out, "%.0f %%", 100 * cell(t, row, "exceeded")));

@@ -36,7 +36,7 @@ static ssfr_result integrate_density(const job *j, outcome *out)
 {
     ssfr_result result = SSFR_OK;
     const double unit = ssfr_study_unit(j->scene, j->integral), ends[] = {j->a, j->b};
-    const bool between_breaks = j->id == SSFR_INTEGRATOR_qagp || j->id == SSFR_INTEGRATOR_gauss;
+    const bool between_breaks = j->id != SSFR_INTEGRATOR_qags && j->id != SSFR_INTEGRATOR_steps;
     ssfr_integrand integrand = {density_at, j->line, 2, ends};
     ssfr_integral integral = {0};
     if (j->id == SSFR_INTEGRATOR_chords) {
