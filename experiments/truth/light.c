@@ -19,7 +19,8 @@
 static const char *const reflections[] = {"recursive", "background", NULL};
 
 const ssfr_param ssfr_light_rows[] = {
-    SSFR_PARAM_INT(ssfr_light_params, depth, "1", 32, 0, SSFR_LIGHT_DEPTH, "the most crossings on one path of light"),
+    SSFR_PARAM_INT(ssfr_light_params, depth, "1", SSFR_LIGHT_DEPTH, 0, SSFR_LIGHT_DEPTH,
+                   "the most crossings on one path of light"),
     SSFR_PARAM_REAL(ssfr_light_params, least, "1", 1e-4, 1e-15, 0.5, "a path that carries less of the light ends"),
     SSFR_PARAM_CHOICE(ssfr_light_params, reflections, reflections, SSFR_REFLECTIONS_RECURSIVE,
                       "follow reflected rays, or take the sky in their direction (Imai 2016, eqs 6 to 8)"),
