@@ -1,0 +1,652 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* test_truth.c: the ray-cast image of a stage against closed forms, and what its parameters, samples and files do. */
+#include "tests/truths.h"
+
+#include "experiments/truth/estimate.h"
+#include "experiments/truth/truth_file.h"
+
+#include "base/param.h"
+
+#include <float.h>
+
+enum { W = 64, H = 48 };
+
+static const double ball_centre[3] = {0.1, 0.2, 0}, ball_radius = 0.5, ball_eye[3] = {0.3, 0.4, 2.385};
+
+static ssfr_stage *one_ball(const double eye[3])
+{
+    static const double target[3] = {0.1, 0.2, 0.05};
+    return test_truth_stage(1, ball_centre, ball_radius, eye, target, W, H);
+}
+
+static const char *const balls[] = {"truth.kind", "spheres", "truth.parts", "surface,thickness", NULL};
+
+/* The ray through the middle of a pixel, by the camera's definition. */
+static double direction(const ssfr_camera *c, int x, int y, double dir[3])
+{
+    const double u = ((x + 0.5) / c->w * 2 - 1) * c->tan_x, v = (1 - (y + 0.5) / c->h * 2) * c->tan_y;
+    for (int k = 0; k < 3; k++) dir[k] = u * c->right[k] + v * c->up[k] - c->back[k];
+    return 1 / ssfr_normalize(dir); /* cosine to the axis */
+}
+
+/* Where it enters the ball and leaves it; false when it does neither. */
+static bool meet_ball(const double eye[3], const double dir[3], double t[2])
+{
+    const double to[3] = {ball_centre[0] - eye[0], ball_centre[1] - eye[1], ball_centre[2] - eye[2]};
+    const double middle = ssfr_dot(to, dir);
+    double aside[3];
+    for (int k = 0; k < 3; k++) aside[k] = to[k] - middle * dir[k];
+    const double left = ball_radius * ball_radius - ssfr_dot(aside, aside);
+    t[0] = middle - sqrt(fmax(left, 0)), t[1] = middle + sqrt(fmax(left, 0));
+    return left > 0;
+}
+
+/* Of the ball at t along the ray, in eye space, towards the eye. */
+static void normal_of_ball(const ssfr_camera *c, const double dir[3], double t, double out[3])
+{
+    double n[3];
+    for (int k = 0; k < 3; k++) n[k] = (c->eye[k] + t * dir[k] - ball_centre[k]) / ball_radius;
+    const double side = ssfr_dot(n, dir) > 0 ? -1 : 1;
+    out[0] = side * ssfr_dot(n, c->right), out[1] = side * ssfr_dot(n, c->up), out[2] = side * ssfr_dot(n, c->back);
+}
+
+/* ---- closed forms ------------------------------------------------------------------------------------------------ */
+
+static void assert_pixel_of_ball(const ssfr_truth *truth, const ssfr_camera *c, int x, int y)
+{
+    double dir[3], t[2], normal[3];
+    const double cosine = direction(c, x, y, dir), near = c->near / cosine;
+    const bool hit = meet_ball(c->eye, dir, t) && t[1] > near;
+    const double surface = t[0] > near ? t[0] : t[1];
+    const double z = hit ? -surface * cosine : -SSFR_EMPTY, length = hit ? t[1] - fmax(t[0], near) : 0;
+#define AT(channel) (*test_truth_at(truth, SSFR_TRUTH_##channel, x, y))
+    assert_close(AT(depth), z, 1e-9, 0);
+    assert_true(fabs(AT(depth) - z) <= AT(depth_err) + 1e-15);
+    assert_true(AT(depth_err) < 1e-9);
+    assert_close(AT(thickness), length, 1e-9, 0);
+    assert_close(AT(content), length, 1e-9, 0);
+    assert_true(fabs(AT(thickness) - length) <= AT(thickness_err) + 1e-15);
+    assert_int_equal(AT(crossings), hit ? (t[0] > near) + 1 : 0);
+    if (hit) normal_of_ball(c, dir, surface, normal);
+    for (int k = 0; k < 3; k++)
+        assert_close(test_truth_at(truth, SSFR_TRUTH_normal, x, y)[k], hit ? normal[k] : 0, 1e-9, 0);
+    assert_true(AT(normal_err) < 1e-9);
+#undef AT
+}
+
+static void assert_ball_seen_from(const double eye[3])
+{
+    ssfr_stage *stage = one_ball(eye);
+    const ssfr_truth_params params = test_truth_params(balls);
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    for (int y = 0; y < H; y++)
+        for (int x = 0; x < W; x++) assert_pixel_of_ball(truth, &stage->scene.camera, x, y);
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+static void a_ball_has_its_depth_normals_and_chords(void **state)
+{
+    (void)state;
+    assert_ball_seen_from(ball_eye);
+}
+
+static void from_inside_rays_begin_at_the_near_plane_and_normals_face_the_eye(void **state)
+{
+    (void)state;
+    static const double middle[3] = {0.15, 0.25, -0.12}, edge[3] = {0.1, 0.2, 0.495};
+    assert_ball_seen_from(middle);
+    assert_ball_seen_from(edge); /* the near plane, 1 cm before the eye, is inside here and outside there */
+}
+
+static void no_particle_is_no_fluid(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = test_truth_scene("empty", 21, 13);
+    for (int kind = 0; ssfr_continuum_names[kind]; kind++) {
+        const char *const settings[] = {"truth.kind", ssfr_continuum_names[kind], NULL};
+        const ssfr_truth_params params = test_truth_params(settings);
+        ssfr_truth *truth = test_truth_cast(stage, &params);
+        test_truth_check_finite(truth);
+        for (int i = 0; i < 21 * 13; i++) {
+            assert_true(truth->channels[SSFR_TRUTH_depth]->data[i] == -SSFR_EMPTY);
+            assert_true(truth->channels[SSFR_TRUTH_thickness]->data[i] == 0);
+            assert_true(truth->channels[SSFR_TRUTH_colour]->data[3 * i] > 0); /* sky and floor */
+        }
+        ssfr_truth_destroy(&truth);
+    }
+    ssfr_stage_destroy(&stage);
+}
+
+/* A sheet of balls, one thick, seen from the front and along itself: no ray misses what it meets. */
+static void a_sheet_one_particle_thick_has_no_holes(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = test_truth_scene("plane", W, H);
+    const ssfr_truth_params params = test_truth_params(balls);
+    static const double target[3] = {0, 0, 0}, up[3] = {0, 1, 0}, along[3] = {1, 0, 0};
+    const double half = 0.02 * 19, near = stage->scene.camera.eye[2];
+    ssfr_truth *front = test_truth_cast(stage, &params);
+    for (int i = 0; i < W * H; i++) {
+        double dir[3];
+        direction(&stage->scene.camera, i % W, i / W, dir);
+        const double x = -near * dir[0] / dir[2], y = -near * dir[1] / dir[2]; /* where it passes the sheet */
+        if (fabs(x) > half || fabs(y) > half) continue;
+        assert_true(front->channels[SSFR_TRUTH_depth]->data[i] > -near - 0.02);
+        assert_in_range((unsigned long)(1e6 * front->channels[SSFR_TRUTH_thickness]->data[i]), 20000, 60000);
+    }
+    assert_int_equal(ssfr_camera_look(&stage->scene.camera, along, target, up, 0.7, W, H), SSFR_OK);
+    ssfr_truth *side = test_truth_cast(stage, &params);
+    const double *row = test_truth_at(side, SSFR_TRUTH_thickness, W / 2, H / 2);
+    assert_true(*row > 0.5); /* most of the sheet's 0.8 m */
+    test_truth_check_finite(side);
+    ssfr_truth_destroy(&front), ssfr_truth_destroy(&side);
+    ssfr_stage_destroy(&stage);
+}
+
+static void every_kind_of_fluid_has_finite_numbers(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = test_truth_scene("block", 24, 16);
+    for (int kind = 0; ssfr_continuum_names[kind]; kind++) {
+        const char *const settings[] = {"truth.kind", ssfr_continuum_names[kind], "truth.judged", "1", "path.depth", "6",
+                                        "path.least", "0.01", NULL};
+        const ssfr_truth_params params = test_truth_params(settings);
+        ssfr_truth *truth = test_truth_cast(stage, &params);
+        size_t covered = 0, crossed = 0;
+        test_truth_check_finite(truth);
+        for (int i = 0; i < 24 * 16; i++) {
+            covered += truth->channels[SSFR_TRUTH_depth]->data[i] > -SSFR_SURFACE;
+            crossed += truth->channels[SSFR_TRUTH_content]->data[i] > 0;
+        }
+        assert_in_range(covered, 70, 130);
+        assert_int_equal(truth->stats.judged, crossed);
+        assert_true(truth->stats.judged_max < 1e-7 && truth->stats.judged_ratio < 100);
+        assert_true(truth->stats.bytes > 0 && truth->stats.bytes < 300 * 8000);
+        ssfr_truth_destroy(&truth);
+    }
+    ssfr_stage_destroy(&stage);
+}
+
+/* ---- places ------------------------------------------------------------------------------------------------------ */
+
+static ssfr_truth *cast_cloud(const char *kind, double origin)
+{
+    enum { N = 200 };
+    static double positions[3 * N];
+    const double eye[3] = {origin + 0.2, origin + 0.3, origin + 2.385}, target[3] = {origin, origin, origin};
+    const char *const settings[] = {"truth.kind", kind, "truth.parts", "surface,thickness", NULL};
+    const ssfr_truth_params params = test_truth_params(settings);
+    uint64_t random = 3;
+    /* Multiples of 2^-20 m, which a double holds a million metres away, too. */
+    for (int i = 0; i < 3 * N; i++)
+        positions[i] = origin + floor(test_random(&random, -0.4, 0.4) * 0x1p20) * 0x1p-20;
+    ssfr_stage *stage = test_truth_stage(N, positions, 0.06, eye, target, W, H);
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    ssfr_stage_destroy(&stage);
+    return truth;
+}
+
+static void a_million_metres_away_all_is_the_same(void **state)
+{
+    (void)state;
+    for (int kind = 0; ssfr_continuum_names[kind]; kind++) {
+        ssfr_truth *here = cast_cloud(ssfr_continuum_names[kind], 0), *there = cast_cloud(ssfr_continuum_names[kind], 1e6);
+        for (int i = 0; i < W * H; i++)
+            for (int c = 0; c < SSFR_N_TRUTH_CHANNELS; c++) {
+                const bool flat = here->channels[c] && c != SSFR_TRUTH_normal && !strstr(ssfr_truth_channels[c].name, "err");
+                if (flat) assert_close(there->channels[c]->data[i], here->channels[c]->data[i], 2e-6, 1e-6);
+                if (c == SSFR_TRUTH_normal)
+                    for (int k = 0; k < 3; k++)
+                        assert_close(there->channels[c]->data[3 * i + k], here->channels[c]->data[3 * i + k], 2e-5, 0);
+            }
+        ssfr_truth_destroy(&here), ssfr_truth_destroy(&there);
+    }
+}
+
+/* ---- solids, foam, light ----------------------------------------------------------------------------------------- */
+
+/* A block whose front is at z = 0.1, behind half of the ball. */
+static void add_wall(ssfr_stage *stage)
+{
+    stage->solids[0] = (ssfr_solid){.shape = SSFR_BOX, .centre = {0.1, 0.2, -0.9}, .half = {5, 5, 1},
+                                    .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .colour = {0.5, 0.4, 0.3}};
+    stage->scene.n_solids = 1;
+}
+
+static void solids_and_the_floor_hide_fluid_when_asked(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = one_ball(ball_eye);
+    const char *const settings[] = {"truth.kind", "spheres", "truth.parts", "surface,thickness", "truth.solids", "1", NULL};
+    const ssfr_truth_params hidden = test_truth_params(settings), seen = test_truth_params(balls);
+    const ssfr_camera *c = &stage->scene.camera;
+    add_wall(stage);
+    stage->scene.floor = 0.1;
+    ssfr_truth *cut = test_truth_cast(stage, &hidden), *whole = test_truth_cast(stage, &seen);
+    int n_cut = 0;
+    for (int i = 0; i < W * H; i++) {
+        double dir[3], t[2];
+        direction(c, i % W, i / W, dir);
+        const bool hit = meet_ball(c->eye, dir, t);
+        const double wall = (0.1 - c->eye[2]) / dir[2], floor = dir[1] < 0 ? (0.1 - c->eye[1]) / dir[1] : INFINITY;
+        const double to = fmin(wall, floor), length = hit ? fmax(fmin(t[1], to) - t[0], 0) : 0;
+        assert_close(whole->channels[SSFR_TRUTH_thickness]->data[i], hit ? t[1] - t[0] : 0, 1e-9, 0);
+        assert_close(cut->channels[SSFR_TRUTH_thickness]->data[i], length, 1e-9, 0);
+        assert_int_equal(cut->channels[SSFR_TRUTH_depth]->data[i] > -SSFR_SURFACE, hit && to > t[0]);
+        n_cut += hit && to < t[0];
+    }
+    assert_true(n_cut > 50);
+    ssfr_truth_destroy(&cut), ssfr_truth_destroy(&whole);
+    ssfr_stage_destroy(&stage);
+}
+
+static void foam_is_seen_before_solids_and_not_behind(void **state)
+{
+    (void)state;
+    static const double place[3] = {0.1, 0.2, -0.6}; /* it reaches half a metre */
+    static const char *const settings[] = {"truth.parts", "foam", NULL};
+    static uint32_t kind[] = {SSFR_FOAM};
+    const ssfr_particles given = {.radius = 0.1, .kind = kind};
+    const ssfr_truth_params params = test_truth_params(settings);
+    ssfr_stage *stage = one_ball(ball_eye);
+    assert_int_equal(ssfr_particles_create(&stage->foam, 1, place, &given), SSFR_OK);
+    ssfr_truth *open = test_truth_cast(stage, &params);
+    add_wall(stage);
+    ssfr_truth *hidden = test_truth_cast(stage, &params);
+    double most = 0;
+    for (int i = 0; i < W * H; i++) {
+        const double *foam = open->channels[SSFR_TRUTH_foam]->data + 4 * i;
+        assert_true(foam[3] >= 0 && foam[3] <= 1 && foam[0] >= 0);
+        assert_true(hidden->channels[SSFR_TRUTH_foam]->data[4 * i + 3] == 0);
+        most = fmax(most, foam[3]);
+    }
+    assert_true(most > 1e-3);
+    assert_null(open->channels[SSFR_TRUTH_depth]);
+    test_truth_check_finite(open);
+    ssfr_truth_destroy(&open), ssfr_truth_destroy(&hidden);
+    ssfr_stage_destroy(&stage);
+}
+
+/* Of the air's index and without absorption it changes nothing: the picture is that without it. */
+static void fluid_as_clear_as_air_is_not_seen(void **state)
+{
+    (void)state;
+    static const double nowhere[3] = {0, 0, 0}, target[3] = {0.1, 0.2, 0.05};
+    static const char *const settings[] = {"truth.kind", "spheres", "truth.parts", "colour", "medium.ior", "1",
+                                           "medium.absorption_r", "0", "medium.absorption_g", "0",
+                                           "medium.absorption_b", "0", NULL};
+    const ssfr_truth_params params = test_truth_params(settings);
+    ssfr_stage *stage = one_ball(ball_eye), *empty = test_truth_stage(0, nowhere, ball_radius, ball_eye, target, W, H);
+    add_wall(stage), add_wall(empty);
+    stage->scene.floor = empty->scene.floor = -0.3;
+    ssfr_truth *with = test_truth_cast(stage, &params), *without = test_truth_cast(empty, &params);
+    for (int i = 0; i < 3 * W * H; i++)
+        assert_close(with->channels[SSFR_TRUTH_colour]->data[i], without->channels[SSFR_TRUTH_colour]->data[i], 1e-9, 0);
+    ssfr_truth_destroy(&with), ssfr_truth_destroy(&without);
+    ssfr_stage_destroy(&stage), ssfr_stage_destroy(&empty);
+}
+
+static void light_is_finite_from_inside_too(void **state)
+{
+    (void)state;
+    static const double inside[3] = {0.15, 0.25, -0.12};
+    static const char *const settings[] = {"truth.kind", "spheres", "path.depth", "8", NULL};
+    const ssfr_truth_params params = test_truth_params(settings);
+    ssfr_stage *stage = one_ball(inside);
+    stage->scene.floor = -1;
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    test_truth_check_finite(truth);
+    for (int i = 0; i < 3 * W * H; i++) assert_true(truth->channels[SSFR_TRUTH_colour]->data[i] > 0);
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+/* ---- integrators ------------------------------------------------------------------------------------------------- */
+
+static void integrators_agree_within_their_own_errors(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"qags", "qagp", "cquad", "gauss", "steps"};
+    ssfr_stage *stage = test_truth_scene("block", 20, 12);
+    const char *const closed[] = {"truth.parts", "thickness", NULL};
+    ssfr_truth_params params = test_truth_params(closed);
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    for (size_t r = 0; r < SSFR_COUNT(names); r++) {
+        assert_int_equal(ssfr_truth_set(&params, "truth.integrator", names[r]), SSFR_OK);
+        ssfr_truth *other = test_truth_cast(stage, &params);
+        double largest = 0;
+        for (int i = 0; i < 20 * 12; i++) {
+            const double difference = fabs(other->channels[SSFR_TRUTH_content]->data[i] -
+                                           truth->channels[SSFR_TRUTH_content]->data[i]);
+            largest = fmax(largest, difference);
+            if (strcmp(names[r], "steps") == 0) /* as renderers do it: no estimate to rely on */
+                assert_true(difference <= 10 * other->channels[SSFR_TRUTH_content_err]->data[i] + 1e-4);
+        }
+        assert_true(largest < (strcmp(names[r], "steps") == 0 ? 1e-3 : 1e-6));
+        assert_int_equal(other->stats.judged, 0);
+        ssfr_truth_destroy(&other);
+    }
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
+
+static void a_sample_has_the_pixels_of_the_whole(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = one_ball(ball_eye);
+    const ssfr_truth_params params = test_truth_params(balls);
+    const ssfr_truth_options options = {.every = 5, .seed = 7, .no_cache = true};
+    ssfr_truth *whole = test_truth_cast(stage, &params), *some = NULL;
+    assert_int_equal(ssfr_truth_create(&some, stage, &params, &options), SSFR_OK);
+    size_t n = 0;
+    for (int i = 0; i < W * H; i++) {
+        const bool cast = some->cast->data[i] == 1;
+        n += cast;
+        assert_true(cast || some->cast->data[i] == 0);
+        assert_true(some->channels[SSFR_TRUTH_depth]->data[i] ==
+                    (cast ? whole->channels[SSFR_TRUTH_depth]->data[i] : -SSFR_EMPTY));
+        assert_true(some->channels[SSFR_TRUTH_thickness]->data[i] ==
+                    (cast ? whole->channels[SSFR_TRUTH_thickness]->data[i] : 0));
+    }
+    assert_int_equal(n, 13 * 10); /* squares of 5 px in 64 x 48 */
+    assert_int_equal(some->stats.rays, n);
+    ssfr_truth_destroy(&whole), ssfr_truth_destroy(&some);
+    ssfr_stage_destroy(&stage);
+}
+
+static ssfr_estimate estimate_of(const ssfr_truth *truth, const char *quantity)
+{
+    ssfr_estimate all[SSFR_MAX_ESTIMATES], found = {0};
+    int n = 0;
+    assert_int_equal(ssfr_truth_estimate(truth, all, &n), SSFR_OK);
+    for (int i = 0; i < n; i++)
+        if (strcmp(all[i].quantity, quantity) == 0) found = all[i];
+    assert_non_null(found.quantity);
+    return found;
+}
+
+static void all_pixels_give_the_mean_itself(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = one_ball(ball_eye);
+    const ssfr_truth_params params = test_truth_params(balls);
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    double sum = 0, depth = 0, covered = 0;
+    for (int i = 0; i < W * H; i++) {
+        const double z = truth->channels[SSFR_TRUTH_depth]->data[i];
+        sum += truth->channels[SSFR_TRUTH_thickness]->data[i];
+        if (z > -SSFR_SURFACE) depth += z, covered++;
+    }
+    const ssfr_estimate share = estimate_of(truth, "covered"), mean = estimate_of(truth, "depth");
+    assert_close(share.value, covered / (W * H), 0, 1e-13);
+    assert_close(mean.value, depth / covered, 0, 1e-13);
+    assert_close(estimate_of(truth, "thickness").value, sum / (W * H), 0, 1e-13);
+    assert_true(mean.low <= mean.value && mean.value <= mean.high && mean.high - mean.low < 1e-9);
+    assert_true(mean.high > mean.low); /* the truth's own error */
+    assert_int_equal(mean.n, covered);
+    assert_int_equal(share.n, W * H);
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+/* Of 100 seeds about 95 must hold the mean; the collapsed strata err on the safe side. */
+static void intervals_hold_the_mean_as_often_as_they_say(void **state)
+{
+    (void)state;
+    static const char *const quantities[] = {"covered", "depth", "thickness", "content"};
+    static const int sides[] = {3, 8};
+    ssfr_stage *stage = one_ball(ball_eye);
+    const ssfr_truth_params params = test_truth_params(balls);
+    ssfr_truth *whole = test_truth_cast(stage, &params);
+    for (size_t s = 0; s < SSFR_COUNT(sides); s++) {
+        int held[SSFR_COUNT(quantities)] = {0};
+        double widths[SSFR_COUNT(quantities)] = {0};
+        for (uint64_t seed = 1; seed <= 100; seed++) {
+            const ssfr_truth_options options = {.every = sides[s], .seed = seed, .no_cache = true};
+            ssfr_truth *some = NULL;
+            assert_int_equal(ssfr_truth_create(&some, stage, &params, &options), SSFR_OK);
+            for (size_t q = 0; q < SSFR_COUNT(quantities); q++) {
+                const double mean = estimate_of(whole, quantities[q]).value;
+                const ssfr_estimate e = estimate_of(some, quantities[q]);
+                held[q] += e.low <= mean && mean <= e.high;
+                widths[q] += (e.high - e.low) / fabs(mean) / 100;
+            }
+            ssfr_truth_destroy(&some);
+        }
+        for (size_t q = 0; q < SSFR_COUNT(quantities); q++) {
+            assert_true(held[q] >= 88);
+            assert_true(widths[q] < (s == 0 ? 0.2 : 1)); /* and they say something */
+        }
+    }
+    ssfr_truth_destroy(&whole);
+    ssfr_stage_destroy(&stage);
+}
+
+static void one_square_tells_nothing_of_the_others(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = one_ball(ball_eye);
+    const ssfr_truth_params params = test_truth_params(balls);
+    const ssfr_truth_options options = {.every = 100, .seed = 1, .no_cache = true};
+    ssfr_truth *truth = NULL;
+    assert_int_equal(ssfr_truth_create(&truth, stage, &params, &options), SSFR_OK);
+    assert_int_equal(truth->stats.rays, 1);
+    const ssfr_estimate e = estimate_of(truth, "thickness");
+    assert_true(e.low == -INFINITY && e.high == INFINITY && isfinite(e.value));
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+static void a_mean_over_nothing_is_none(void **state)
+{
+    (void)state;
+    static const double away[3] = {0, 0, 10}, target[3] = {0, 0, 20};
+    const ssfr_truth_params params = test_truth_params(balls);
+    ssfr_stage *stage = test_truth_stage(1, ball_centre, ball_radius, away, target, W, H);
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    const ssfr_estimate e = estimate_of(truth, "depth");
+    assert_true(isnan(e.value) && e.n == 0);
+    assert_true(estimate_of(truth, "covered").value == 0);
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
+static ssfr_field *load(const char *path, const char *channels)
+{
+    ssfr_field *field = NULL;
+    assert_int_equal(ssfr_exr_load(path, channels, &field), SSFR_OK);
+    return field;
+}
+
+static void bounds_in_a_file_hold_for_its_floats(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = one_ball(ball_eye);
+    const ssfr_truth_params params = test_truth_params(balls);
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    ssfr_record record = {0};
+    const char *path = test_path("truth.exr");
+    assert_int_equal(ssfr_truth_record(&record, truth, &params), SSFR_OK);
+    assert_int_equal(ssfr_truth_save(path, truth, &record), SSFR_OK);
+    for (int c = 0; c + 1 < SSFR_N_TRUTH_CHANNELS; c++) {
+        if (!truth->channels[c] || !strstr(ssfr_truth_channels[c + 1].name, "_err")) continue;
+        ssfr_field *values = load(path, ssfr_truth_channels[c].exr), *bounds = load(path, ssfr_truth_channels[c + 1].exr);
+        bool wider = false;
+        for (int i = 0; i < W * H * values->c; i++) {
+            const double exact = truth->channels[c]->data[i], bound = bounds->data[i / values->c];
+            const double own = truth->channels[c + 1]->data[i / values->c];
+            if (fabs(exact) > SSFR_SURFACE) continue;
+            assert_true(fabs(values->data[i] - exact) + own * (values->c == 1) <= bound * (1 + 1e-15));
+            wider |= bound > own;
+        }
+        assert_true(wider);
+        ssfr_field_destroy(&values), ssfr_field_destroy(&bounds);
+    }
+    double number = 0;
+    assert_int_equal(ssfr_exr_number(path, "truth.size", &number), SSFR_OK);
+    assert_close(number, 1, 0, 0);
+    assert_int_equal(ssfr_exr_number(path, "stats.rays", &number), SSFR_OK);
+    assert_close(number, W * H, 0, 0);
+    ssfr_record_finish(&record);
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+static void a_preview_fills_the_squares(void **state)
+{
+    (void)state;
+    static const char *const parts[] = {"colour", "surface", "thickness", "foam"};
+    ssfr_stage *stage = one_ball(ball_eye);
+    stage->scene.floor = -1;
+    for (size_t i = 0; i < SSFR_COUNT(parts); i++) {
+        const char *const settings[] = {"truth.kind", "spheres", "truth.parts", parts[i], NULL};
+        const ssfr_truth_params params = test_truth_params(settings);
+        const ssfr_truth_options options = {.every = 4, .no_cache = true};
+        const char *path = test_path("truth.png");
+        ssfr_truth *truth = NULL;
+        ssfr_field *picture = NULL;
+        assert_int_equal(ssfr_truth_create(&truth, stage, &params, &options), SSFR_OK);
+        assert_int_equal(ssfr_truth_preview(path, truth), SSFR_OK);
+        assert_int_equal(ssfr_png_load(path, &picture), SSFR_OK);
+        assert_int_equal(picture->w, W);
+        for (int k = 0; k < W * H; k++)
+            assert_memory_equal(picture->data + 3 * k, ssfr_field_at(picture, k % W / 4 * 4, k / W / 4 * 4), 3 * sizeof(double));
+        ssfr_field_destroy(&picture);
+        ssfr_truth_destroy(&truth);
+    }
+    ssfr_stage_destroy(&stage);
+}
+
+/* ---- parameters -------------------------------------------------------------------------------------------------- */
+
+static void every_parameter_can_be_set_by_its_key(void **state)
+{
+    (void)state;
+    ssfr_truth_params params;
+    const ssfr_param *row;
+    const void *group;
+    char key[128], before[256], after[256];
+    int n = 0, of_truth = 0;
+    ssfr_truth_defaults(&params);
+    for (; ssfr_truth_key_at(&params, n, key, &row, &group); n++) {
+        const double value = 0.5 * (row->def + (row->max > 2 * row->def ? row->max : row->min));
+        char text[256];
+        ssfr_param_format(row, group, before, sizeof before);
+        if (row->type == SSFR_REAL)
+            snprintf(text, sizeof text, "%.17g", value);
+        else
+            snprintf(text, sizeof text, "%s", before);
+        assert_int_equal(ssfr_truth_set(&params, key, text), SSFR_OK);
+        ssfr_param_format(row, group, after, sizeof after);
+        if (row->type == SSFR_REAL) assert_close(strtod(after, NULL), value, 0, 1e-15);
+        else assert_string_equal(after, before);
+        of_truth += strncmp(key, "truth.", 6) == 0;
+    }
+    assert_true(n > 30 && of_truth >= 13);
+}
+
+static void keys_are_unique(void **state)
+{
+    (void)state;
+    ssfr_truth_params params;
+    const ssfr_param *row;
+    const void *group;
+    char key[128], other[128];
+    ssfr_truth_defaults(&params);
+    for (int i = 0; ssfr_truth_key_at(&params, i, key, &row, &group); i++)
+        for (int k = 0; k < i && ssfr_truth_key_at(&params, k, other, &row, &group); k++)
+            assert_string_not_equal(key, other);
+}
+
+static void bad_parameters_are_refused_in_one_line(void **state)
+{
+    (void)state;
+    ssfr_truth_params params;
+    ssfr_truth_defaults(&params);
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "truth.kinds", "1"), "truth.kinds: no such parameter; there are kind, ");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "truth.kinds", "1"), "parts, integrator");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "bilateral.sigma", "1"),
+                 "its groups are truth, extinction, path, anisotropy, medium, light, sky, floor");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "truth", "1"), "its groups are truth");
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.kind", "water"), "truth.kind=water: expected one of spheres, density");
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.parts", "surface,air"), "surface, thickness, foam, colour");
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.level", "NaN"), "truth.level=NaN");
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.judged", "1.1"), "truth.judged=1.1");
+}
+
+static void bad_options_are_refused_in_one_line(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = one_ball(ball_eye);
+    ssfr_truth_params params = test_truth_params(balls);
+    ssfr_truth_options options = {.every = 0, .no_cache = true};
+    ssfr_truth *truth = NULL;
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_create(&truth, stage, &params, &options), "every 0 pixels");
+    options.every = 1;
+    params.cast.parts = 0;
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_create(&truth, stage, &params, &options), "truth.parts=none");
+    params.cast.parts = SSFR_TRUTH_SURFACE;
+    stage->particles->radius = 0;
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_create(&truth, stage, &params, &options), "radius");
+    stage->particles->radius = ball_radius;
+    stage->scene.camera.near = -1;
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_create(&truth, stage, &params, &options), "near -1");
+    assert_null(truth);
+    ssfr_stage_destroy(&stage);
+}
+
+static void a_scene_file_sets_what_truth_has(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "title: A\nradius: 0.05\nparticles: 100\nduration: 0.4\nframe_rate: 20\ndomain: {lo: [0, 0, 0], hi: [1, 1, 1]}\n"
+        "fluid: {column: {lo: [0, 0, 0], hi: [0.2, 0.2, 0.2]}}\ncameras: {side: {eye: [0, 0, 2], target: [0, 0, 0]}}\n"
+        "set: {curvature_flow.iterations: 3}\nmedium: {ior: 1.5}\nlight: {ambient: 0.25}\n";
+    ssfr_truth_params params;
+    ssfr_description *d = NULL;
+    ssfr_truth_defaults(&params);
+    assert_int_equal(ssfr_description_parse(&d, "a.yaml", text, SSFR_SCALE_FULL, NULL), SSFR_OK);
+    assert_int_equal(ssfr_truth_apply_scene(&params, d), SSFR_OK);
+    assert_close(params.world.medium.ior, 1.5, 0, 0);
+    assert_close(params.world.light.ambient, 0.25, 0, 0);
+    free(d->settings[1].value);
+    d->settings[1].value = calloc(2, 1);
+    d->settings[1].value[0] = '9';
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_apply_scene(&params, d), "medium.ior=9");
+    ssfr_description_destroy(&d);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_ball_has_its_depth_normals_and_chords),
+        cmocka_unit_test(from_inside_rays_begin_at_the_near_plane_and_normals_face_the_eye),
+        cmocka_unit_test(no_particle_is_no_fluid),
+        cmocka_unit_test(a_sheet_one_particle_thick_has_no_holes),
+        cmocka_unit_test(every_kind_of_fluid_has_finite_numbers),
+        cmocka_unit_test(a_million_metres_away_all_is_the_same),
+        cmocka_unit_test(solids_and_the_floor_hide_fluid_when_asked),
+        cmocka_unit_test(foam_is_seen_before_solids_and_not_behind),
+        cmocka_unit_test(fluid_as_clear_as_air_is_not_seen),
+        cmocka_unit_test(light_is_finite_from_inside_too),
+        cmocka_unit_test(integrators_agree_within_their_own_errors),
+        cmocka_unit_test(a_sample_has_the_pixels_of_the_whole),
+        cmocka_unit_test(all_pixels_give_the_mean_itself),
+        cmocka_unit_test(intervals_hold_the_mean_as_often_as_they_say),
+        cmocka_unit_test(one_square_tells_nothing_of_the_others),
+        cmocka_unit_test(a_mean_over_nothing_is_none),
+        cmocka_unit_test(bounds_in_a_file_hold_for_its_floats),
+        cmocka_unit_test(a_preview_fills_the_squares),
+        cmocka_unit_test(every_parameter_can_be_set_by_its_key),
+        cmocka_unit_test(keys_are_unique),
+        cmocka_unit_test(bad_parameters_are_refused_in_one_line),
+        cmocka_unit_test(bad_options_are_refused_in_one_line),
+        cmocka_unit_test(a_scene_file_sets_what_truth_has),
+    };
+    return cmocka_run_group_tests(tests, test_capture_log, NULL);
+}
