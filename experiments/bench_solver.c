@@ -7,6 +7,7 @@
 #include "experiments/measure.h"
 #include "experiments/meta.h"
 #include "experiments/output.h"
+#include "experiments/shown.h"
 
 #include "base/param.h"
 
@@ -91,37 +92,28 @@ end:
 
 /* ---- for people -------------------------------------------------------------------------------------------------- */
 
-typedef struct shown {
-    const char *column, *title;
-    const char *format; /* of a number; NULL for text */
-    double factor;
-} shown;
-
-static const shown steps_shown[] = {
+static const ssfr_shown steps_shown[] = {
     {"case", "case", NULL, 0}, {"particles", "particles", NULL, 0}, {"threads", "threads", NULL, 0},
     {"ms_median", "ms a step", "%.2f", 1}, {"ms_mad", "MAD", "%.2f", 1}, {"runs", "n", NULL, 0},
     {"bytes_per_particle", "B a particle", "%.0f", 1}, {"neighbours", "neighbours", "%.1f", 1},
     {"steps_per_second", "steps/s", "%.0f", 1}, {"real_time", "x real time", "%.4f", 1}};
-static const shown stages_shown[] = {
+static const ssfr_shown stages_shown[] = {
     {"case", "case", NULL, 0}, {"particles", "particles", NULL, 0}, {"threads", "threads", NULL, 0},
     {"part", "stage", NULL, 0}, {"ms_median", "ms", "%.3f", 1}, {"ms_mad", "MAD", "%.3f", 1},
     {"share", "% of the step", "%.1f", 100}};
-static const shown foam_shown[] = {
+static const ssfr_shown foam_shown[] = {
     {"particles", "fluid", NULL, 0}, {"diffuse", "diffuse", NULL, 0}, {"threads", "threads", NULL, 0},
     {"ms_median", "ms a step", "%.2f", 1}, {"ms_mad", "MAD", "%.2f", 1}, {"runs", "n", NULL, 0}};
-static const shown physics_shown[] = {
+static const ssfr_shown physics_shown[] = {
     {"case", "case", NULL, 0}, {"phase", "phase", NULL, 0}, {"iterations", "iterations", NULL, 0},
     {"density_mean", "density % mean", "%+.2f", 100}, {"density_rms", "RMS", "%.2f", 100},
     {"density_max", "max", "%.2f", 100}, {"compression_max", "max above", "%.2f", 100},
     {"volume_change", "volume %", "%+.2f", 100}, {"surface_change", "surface %", "%+.2f", 100},
     {"centre_change", "centre %", "%+.2f", 100}, {"speed_rms", "m/s RMS", "%.4f", 1},
     {"speed_max", "max", "%.3f", 1}, {"steps_per_second", "steps/s", "%.0f", 1}};
-static const shown fall_shown[] = {
+static const ssfr_shown fall_shown[] = {
     {"max_step", "step s", "%.6f", 1}, {"fallen", "fallen m", "%.6f", 1}, {"error", "error m", "%.3g", 1},
     {"order", "order", "%.2f", 1}};
-
-/* Tells which rows are printed. */
-typedef bool chooser(const ssfr_csv_table *table, size_t row);
 
 static bool is_part(const ssfr_csv_table *table, size_t row, const char *part)
 {
@@ -138,12 +130,6 @@ static bool is_foam(const ssfr_csv_table *table, size_t row)
     return is_part(table, row, "(foam)");
 }
 
-static bool is_any(const ssfr_csv_table *table, size_t row)
-{
-    (void)table, (void)row;
-    return true;
-}
-
 /* Of the dam break of the most particles, with the most threads. */
 static bool is_stage(const ssfr_csv_table *table, size_t row)
 {
@@ -156,49 +142,17 @@ static bool is_stage(const ssfr_csv_table *table, size_t row)
     return most;
 }
 
-static ssfr_result add_shown(ssfr_table *out, const ssfr_csv_table *table, size_t row, const shown *s)
-{
-    const int column = ssfr_csv_column(table, s->column);
-    char text[64];
-    if (!s->format) return ssfr_table_add(out, "%s", ssfr_csv_cell(table, row, column));
-    const double value = s->factor * ssfr_csv_cell_number(table, row, column);
-    if (!isfinite(value)) return ssfr_table_add(out, "-");
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wformat-nonliteral"
-    snprintf(text, sizeof text, s->format, value);
-#pragma GCC diagnostic pop
-    return ssfr_table_add(out, "%s", text);
-}
-
-static ssfr_result print_rows(const ssfr_ledger *from, const char *title, chooser *chosen, const shown *columns,
-                              int n_columns)
-{
-    ssfr_result result = SSFR_OK;
-    const ssfr_csv_table view = ssfr_ledger_view(from);
-    ssfr_table out;
-    ssfr_table_init(&out, n_columns);
-    for (int i = 0; i < n_columns; i++) SSFR_TRY(ssfr_table_add(&out, "%s", columns[i].title));
-    for (size_t row = 0; row < view.n_rows; row++)
-        for (int i = 0; i < n_columns && chosen(&view, row); i++) SSFR_TRY(add_shown(&out, &view, row, &columns[i]));
-    printf("%s\n", title);
-    ssfr_table_print(&out, stdout);
-    printf("\n");
-end:
-    ssfr_table_finish(&out);
-    return result;
-}
-
 static ssfr_result print_all(const ssfr_bench *bench)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_ledger *t = bench->tables;
 #define PRINT(table, title, chosen, columns) \
-    SSFR_TRY(print_rows(&t[table], title, chosen, columns, SSFR_COUNT(columns)))
+    SSFR_TRY(ssfr_shown_print(&t[table], title, chosen, columns, SSFR_COUNT(columns)))
     PRINT(SSFR_BENCH_COST, "Steps:", is_step, steps_shown);
     PRINT(SSFR_BENCH_COST, "Stages of a step:", is_stage, stages_shown);
     PRINT(SSFR_BENCH_COST, "Steps of the foam beside the dam break:", is_foam, foam_shown);
-    PRINT(SSFR_BENCH_PHYSICS, "Densities inside, volume, stillness:", is_any, physics_shown);
-    PRINT(SSFR_BENCH_FALL, "Free fall for one second:", is_any, fall_shown);
+    PRINT(SSFR_BENCH_PHYSICS, "Densities inside, volume, stillness:", NULL, physics_shown);
+    PRINT(SSFR_BENCH_FALL, "Free fall for one second:", NULL, fall_shown);
 end:
     return result;
 }

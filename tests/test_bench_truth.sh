@@ -1,0 +1,81 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# test_bench_truth.sh: the bench of ray casting from outside: what its table holds, stopped and gone on with, errors.
+# shellcheck disable=SC2086,SC2016 # names are plain; awk expands its own
+
+test=bench_truth
+. "$(dirname "$0")/cases.sh"
+
+# column FILE NAME: its cells; only for tables without quoted cells.
+column() {
+    awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name || index($i, name " [") == 1) c = i; next }
+                          { print $c }' "$1"
+}
+# rows FILE EXPRESSION: how many rows awk finds it true for.
+rows() { awk -F, "NR > 1 && ($2)" "$1" | wc -l; }
+
+# ---- what it measures ----
+
+run bench truth --quick -o b.csv --threads 2
+that 'bench truth runs' [ $status -eq 0 ]
+that 'without a complaint' [ ! -s err ]
+that 'it prints rays for people' grep -Eq '^finer	density	1000	1	[0-9]+	[0-9.]+	[0-9]+	' out
+that 'no row failed' [ "$(column b.csv status | sort -u)" = ok ]
+that 'rows have one width' [ "$(awk -F, '{ print NF }' b.csv | sort -u | wc -l)" -eq 1 ]
+that 'each continuum is measured at both sizes with one thread and two' [ "$(rows b.csv '$1 == "finer"')" -eq 16 ]
+that 'and more of the same water, too' [ "$(rows b.csv '$1 == "wider"')" -eq 4 ]
+that 'each took time' [ "$(rows b.csv '$16 > 0 && $19 > 0 && $25 > 0')" -eq 20 ]
+that 'no image is measured whole' [ "$(column b.csv whole | sort -u)" = 0 ]
+that 'a particle takes less than 300 bytes' [ "$(rows b.csv '$26 > 24 && $26 < 300')" -eq 20 ]
+that 'shares of the time add up' [ "$(rows b.csv '$22 + $23 + $24 > 0.999 && $22 + $23 + $24 < 1.001')" -eq 20 ]
+that 'threads change nothing that is counted' [ "$(cut -d, -f 1-3,8,10-14 b.csv | sed 1d | sort -u | wc -l)" -eq 10 ]
+that 'the metadata has the parameters' grep -q '"truth.level": 0.5' b.meta.json
+that 'each column is explained' [ "$(head -n 1 b.csv | tr , '\n' | wc -l)" -eq \
+    "$(sed -n '/"columns"/,/}/p' b.meta.json | grep -c '": "')" ]
+if command -v gnuplot >/dev/null; then that 'there is a chart' grep -q '</svg>' b.svg; fi
+
+# ---- gone on with ----
+
+cp b.csv whole.csv
+run bench truth --quick -o b.csv --resume --no-plot --threads 2
+that 'a whole table needs no run' [ $status -eq 0 ]
+that 'and stays as it was' cmp -s b.csv whole.csv
+for share in 1 30 99; do
+    head -c $(($(wc -c <whole.csv) * share / 100)) whole.csv >b.csv
+    run bench truth --quick -o b.csv --resume --no-plot --threads 2
+    that "a table that is cut at $share % is made whole" [ $status -eq 0 ]
+    that "with every row once ($share %)" [ "$(cut -d, -f 1-4 b.csv | sort -u | wc -l)" -eq 21 ]
+    cut -d, -f 1-14 b.csv | sort >again
+    cut -d, -f 1-14 whole.csv | sort >before
+    that "and what is counted is the same ($share %)" cmp -s again before
+done
+refuses 'a longer table is not gone on with' 'b.csv: was measured with other settings' \
+    bench truth -o b.csv --resume --threads 2
+rm ./b.* ./whole.csv ./again ./before
+
+# ---- stopped ----
+
+: >s.csv
+"$ssfr" bench truth -o s.csv --max-particles 5000 2>err &
+child=$!
+tries=0
+while [ $tries -lt 200 ] && [ "$(wc -l <s.csv)" -lt 2 ]; do sleep 0.05; tries=$((tries + 1)); done
+kill -TERM $child
+wait $child
+status=$?
+that 'a bench that is asked to stop leaves with 2' [ $status -eq 2 ]
+that 'and says how to go on' grep -q '^ssfr bench: interrupted.*--resume' err
+that 'in one line' [ "$(wc -l <err)" -eq 1 ]
+that 'the table ends in a whole line' [ "$(tail -c 1 s.csv | wc -l)" -eq 1 ]
+rm ./s.*
+
+# ---- errors ----
+
+refuses 'it finds out at once where it cannot write' 'absent/b.csv' bench truth --quick -o absent/b.csv
+refuses 'going on needs a table' '--resume needs' bench truth --quick --resume
+refuses 'it takes no pipeline' 'vanderlaan2009' bench truth vanderlaan2009
+refuses 'it measures some particles at least' '--max-particles' bench truth --max-particles 0
+run bench truth --help
+that 'it explains itself' grep -q -- '--max-particles' out
+
+finish
