@@ -328,6 +328,37 @@ static double integrate_pieces(ssfr_line *line, double a, double b, gsl_integrat
     return sum;
 }
 
+/* The cubic spline is of two pieces that meet half-way; poly6 of one. */
+static void breaks_are_where_pieces_begin_and_end(void **state)
+{
+    (void)state;
+    const ssfr_ray through = {{-2, 0, 0}, {1, 0, 0}}, aside = {{-2, 0.7 * support, 0}, {1, 0, 0}};
+    const double h = support, edge = sqrt(1 - 0.7 * 0.7) * h;
+    const double two[] = {1, 2 - h, 2 - 0.5 * h, 2 + 0.5 * h, 2 + h, 3}, one[] = {1, 2 - h, 2 + h, 3};
+    const double outer[] = {1, 2 - edge, 2 + edge, 3}, part[] = {2, 2 + 0.5 * h, 3};
+    const struct {
+        int kernel;
+        const ssfr_ray *ray;
+        size_t n;
+        const double *breaks;
+    } cases[] = {{0, &through, 6, two}, {1, &through, 4, one}, {0, &aside, 4, outer}, {0, &through, 3, part}};
+    memset(centre, 0, sizeof centre);
+    for (size_t c = 0; c < SSFR_COUNT(cases); c++) {
+        size_t n;
+        const double *breaks, b = c == 3 ? 2 + 0.75 * h : 3;
+        ssfr_line line;
+        ssfr_continuum fluid = fluid_of(1, &ssfr_radials[cases[c].kernel]);
+        ssfr_line_init(&line, &fluid);
+        assert_int_equal(ssfr_line_cast(&line, cases[c].ray, 0, INFINITY), SSFR_OK);
+        assert_int_equal(ssfr_line_breaks(&line, cases[c].breaks[0], b, &n, &breaks), SSFR_OK);
+        assert_int_equal(n, cases[c].n);
+        for (size_t i = 0; i + 1 < n; i++) assert_close(breaks[i], cases[c].breaks[i], 1e-14, 0);
+        assert_true(breaks[n - 1] == b);
+        ssfr_line_finish(&line);
+        ssfr_continuum_finish(&fluid);
+    }
+}
+
 static void chords_are_the_integral_of_the_density(void **state)
 {
     (void)state;
@@ -490,6 +521,7 @@ int main(void)
         cmocka_unit_test(densities_are_sums_over_all_particles),
         cmocka_unit_test(a_far_eye_loses_few_digits),
         cmocka_unit_test(one_kernel_collects_its_chord),
+        cmocka_unit_test(breaks_are_where_pieces_begin_and_end),
         cmocka_unit_test(chords_are_the_integral_of_the_density),
         cmocka_unit_test(chords_lie_within_their_error),
         cmocka_unit_test(spheres_add_up_their_chords),

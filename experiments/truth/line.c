@@ -99,7 +99,7 @@ static bool gather(void *user, uint32_t begin, uint32_t end)
         ssfr_line_kernel *k = line->kernels + line->n;
         const double *centre = fluid->centre[i];
         const double to[3] = {origin[0] - centre[0], origin[1] - centre[1], origin[2] - centre[2]};
-        const double middle = -ssfr_dot(to, dir);
+        const double middle = -ssfr_dot(to, dir), far = fabs(middle);
         for (int c = 0; c < 3; c++) k->aside[c] = to[c] + middle * dir[c];
         k->middle = middle;
         k->near2 = ssfr_dot(k->aside, k->aside) * per_support2;
@@ -107,7 +107,7 @@ static bool gather(void *user, uint32_t begin, uint32_t end)
         k->weight = fluid->weights ? fluid->weights[i] : fluid->weight;
         k->index = i;
         if (fluid->inverse) measure_stretched(fluid->inverse[i], support, dir, k);
-        g->farthest = fmax(g->farthest, fabs(middle));
+        g->farthest = far > g->farthest ? far : g->farthest;
         if (!(k->near2 < 1)) {
             if (!fluid->radial) note_hidden(line, middle, k->near2);
             continue;
@@ -116,7 +116,8 @@ static bool gather(void *user, uint32_t begin, uint32_t end)
         k->enters = k->middle - half;
         k->leaves = k->middle + half;
         if (!(k->leaves > line->from && k->enters < line->to)) continue;
-        line->longest = fmax(line->longest, k->leaves - k->enters);
+        const double length = k->leaves - k->enters;
+        line->longest = length > line->longest ? length : line->longest;
         line->n++;
     }
     return true;
@@ -150,7 +151,7 @@ static void sort(key *keys, key *spare, uint32_t *begins, size_t n)
 {
     enum { FEW = 24 }; /* below that inserting beats qsort */
     double lo = INFINITY, hi = -INFINITY;
-    for (size_t i = 0; i < n; i++) lo = fmin(lo, keys[i].at), hi = fmax(hi, keys[i].at);
+    for (size_t i = 0; i < n; i++) lo = keys[i].at < lo ? keys[i].at : lo, hi = keys[i].at > hi ? keys[i].at : hi;
     const double per_m = hi - lo > DBL_MIN * (double)n ? (double)n / (hi - lo) : 0;
     memset(begins, 0, (n + 1) * sizeof *begins);
 #define STRETCH(k) ((size_t)ssfr_clamp(((k).at - lo) * per_m, 0, (double)(n - 1)))
@@ -255,7 +256,7 @@ static double chord_of(const ssfr_radial *radial, const ssfr_line_kernel *k, dou
 }
 
 /* How much a kernel's chord may change a support that the kernel is moved, in supports and of weight 1. Along the ray:
- * what stands at its two ends. Aside: the slope of w along its radius is q steepness(q) <= steepness(0); the way is 2. */
+ * what stands at its two ends. Aside: the slope of w along its radius is q steepness(q) <= steepness(0); the way: 2. */
 static double kernel_slack(const ssfr_radial *radial)
 {
     return 2 * ssfr_radial_value(radial, 0) + 2 * ssfr_radial_steepness(radial, 0);
@@ -270,10 +271,11 @@ static double sphere_slack(const ssfr_line_kernel *k, double off)
 
 double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err)
 {
-    const double chord_error = 4 * DBL_EPSILON; /* of ssfr_radial_chord and its factors, relative to the longest */
     const ssfr_radial *radial = line->fluid->radial;
     const double slack = radial ? kernel_slack(radial) : 0;
-    const double longest = radial ? 2 * ssfr_radial_chord(radial, 0, 1) : 2;
+    /* A chord is the difference of two; its factors round it three times more. */
+    const double full = radial ? ssfr_radial_chord(radial, 0, 1) : 1;
+    const double own = (radial ? 2 * radial->chord_err : 0) + 4 * DBL_EPSILON * full;
     exact_sum sum = {0, 0};
     double doubt = 0;
     for (size_t i = a < b ? first_at(line, a) : line->n; i < line->n && line->kernels[i].enters < b; i++) {
@@ -282,7 +284,7 @@ double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err)
         const double speed = sqrt(k->stretch), off = line->digits * speed;
         const double sphere = fmin(b, k->leaves) - fmax(a, k->enters);
         add(&sum, radial ? chord_of(radial, k, a, b) : k->weight * sphere);
-        doubt += k->weight / speed * (chord_error * longest + (radial ? slack * off : sphere_slack(k, off)));
+        doubt += k->weight / speed * (own + (radial ? slack * off : sphere_slack(k, off)));
     }
     const double total = sum.sum + sum.lost;
     if (err) *err = doubt + line->hidden + DBL_EPSILON * fabs(total);

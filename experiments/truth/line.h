@@ -50,8 +50,8 @@ double ssfr_line_density(const ssfr_line *line, double t);
  * be NULL. */
 double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err);
 
-/* Where kernels, and the pieces that they are made of, begin or end inside (a, b), with a and b themselves: rising, each
- * once. Between two of them the density is smooth. The line's until the next call. */
+/* Where kernels, and the pieces that they are made of, begin or end inside (a, b), with a and b themselves: rising,
+ * each once. Between two of them the density is smooth. The line's until the next call. */
 SSFR_MUST ssfr_result ssfr_line_breaks(ssfr_line *line, double a, double b, size_t *n, const double **breaks);
 
 #endif
