@@ -36,8 +36,8 @@ static double trace(void *user, const ssfr_ray *ray, double colour[3])
     return INFINITY;
 }
 
-/* Particles of radius 0.385 m at places + moved (m) as a continuum with its defaults, but for the kind; those that float,
- * half as far apart, are bubbles. */
+/* Particles of radius 0.385 m at places + moved (m) as a continuum with its defaults, but for the kind; and some that
+ * float. */
 static void begin(rig *r, ssfr_continuum_kind kind, size_t n, const double (*places)[3], size_t n_floating,
                   const double (*floating)[3], double moved)
 {
@@ -58,7 +58,8 @@ static void begin(rig *r, ssfr_continuum_kind kind, size_t n, const double (*pla
     assert_int_equal(ssfr_continuum_init(&r->fluid, r->particles, &params, NULL), SSFR_OK);
     if (n_floating) {
         assert_int_equal(ssfr_particles_create(&r->floating, n_floating, &at[n][0], &given), SSFR_OK);
-        assert_int_equal(ssfr_extinction_init(&r->extinction, r->floating, 0.385, r->fluid.origin, &extinction), SSFR_OK);
+        assert_int_equal(ssfr_extinction_init(&r->extinction, r->floating, 0.385, r->fluid.origin, &extinction),
+                         SSFR_OK);
     }
     free(at);
 }
@@ -153,6 +154,30 @@ static void a_ray_refracted_twice_by_a_particle_leaves_where_the_closed_form_say
     }
 }
 
+/* The surface of one kernel is a sphere, too, where w falls to the level; here it has to be searched for. */
+static void a_ray_refracted_twice_by_a_searched_surface_leaves_where_the_closed_form_says(void **state)
+{
+    static const double place[1][3] = {{0.3, -0.7, 1.1}}, origin[3] = {0, 0, 0};
+    (void)state;
+    for (int kernel = 0; kernel < SSFR_N_RADIALS; kernel++) {
+        rig r;
+        const double level = 2.385 * ssfr_radial_value(&ssfr_radials[kernel], 0.55);
+        begin(&r, SSFR_CONTINUUM_DENSITY, 0, NULL, 0, NULL, 0);
+        ssfr_continuum_finish(&r.fluid);
+        assert_int_equal(ssfr_continuum_init_kernels(&r.fluid, 1, place, origin, &ssfr_radials[kernel], 0.7, 2.385,
+                                                     level), SSFR_OK);
+        r.params.reflections = SSFR_REFLECTIONS_BACKGROUND;
+        make(&r);
+        for (double b = 0.01; b < 0.38; b += 0.0285) {
+            const double from[3] = {0.3, -5, 1.1 + b}, to[3] = {0.3, 5, 1.1 + b};
+            const ssfr_ray ray = ray_towards(&r, from, to, 0);
+            assert_int_equal(follow(&r, &ray, false).n_crossings, 2);
+            assert_refracted_twice(&r, &ray, place[0], 0.55 * 0.7);
+        }
+        end(&r);
+    }
+}
+
 static void an_eye_in_the_water_sees_out(void **state)
 {
     static const double place[1][3] = {{0.3, -0.7, 1.1}};
@@ -172,7 +197,8 @@ static void an_eye_in_the_water_sees_out(void **state)
     assert_int_equal(ssfr_crossings_inside(&line, ray.origin, &inside), SSFR_OK);
     assert_true(inside);
     ssfr_line_finish(&line);
-    const double t = asin(0.1 / 0.385), i = asin(1.333 * sin(t)), way = 0.385 * cos(t), share = ssfr_fresnel(cos(t), 1 / 1.333);
+    const double t = asin(0.1 / 0.385), i = asin(1.333 * sin(t)), way = 0.385 * cos(t);
+    const double share = ssfr_fresnel(cos(t), 1 / 1.333);
     const double a[3] = {2.2, 0.65, 0.45}, c[3] = {0.01, 0.09, 0.13};
     /* The normal is turned by t from +y towards +x, the ray goes on at the angle i from it. */
     const double out[3] = {-sin(i - t), cos(i - t), 0}, back[3] = {-sin(2 * t), -cos(2 * t), 0};
@@ -353,6 +379,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ray_refracted_twice_by_a_particle_leaves_where_the_closed_form_says),
+        cmocka_unit_test(a_ray_refracted_twice_by_a_searched_surface_leaves_where_the_closed_form_says),
         cmocka_unit_test(an_eye_in_the_water_sees_out),
         cmocka_unit_test(two_balls_refract_four_times),
         cmocka_unit_test(without_particles_there_is_the_sky_alone),

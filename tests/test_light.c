@@ -229,7 +229,7 @@ static void fresnel_at_normal_incidence_is_the_square_of_index_differences(void 
         assert_close(ssfr_fresnel(1, ratio), ssfr_square((ratio - 1) / (ratio + 1)), 0, 1e-14);
 }
 
-/* There reflected and refracted light stand at right angles, and of unpolarised light only what swings across is left. */
+/* There reflected and refracted light stand at right angles, and only what swings across the plane is reflected. */
 static void at_brewsters_angle_half_of_the_light_is_not_reflected_at_all(void **state)
 {
     (void)state;
@@ -308,8 +308,8 @@ static void reflected_rays_keep_what_is_along_the_surface(void **state)
 
 /* ---- a sphere ---------------------------------------------------------------------------------------------------- */
 
-/* Twice refracted at the angles i outside and t inside, a ray turns by 2 (i - t) towards the middle, in the plane that it
- * makes with the middle. */
+/* Twice refracted at the angles i outside and t inside, a ray turns by 2 (i - t) towards the middle, in the plane that
+ * it makes with the middle. */
 static void a_ray_refracted_twice_by_a_sphere_leaves_where_the_closed_form_says(void **state)
 {
     uint64_t seed = 2;

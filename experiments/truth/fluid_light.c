@@ -41,8 +41,8 @@ static ssfr_result between(void *user, const ssfr_ray *ray, double from, double 
     ssfr_fluid_light *light = user;
     ssfr_radiance radiance;
     SSFR_TRY(cast(light, ray, to));
-    SSFR_TRY(ssfr_radiance_collect(light->floating, &light->through, light->work, light->integrator, &light->params, from,
-                                   to, &radiance));
+    SSFR_TRY(ssfr_radiance_collect(light->floating, &light->through, light->work, light->integrator, &light->params,
+                                   from, to, &radiance));
     for (int k = 0; k < 3; k++) colour[k] = radiance.colour[k];
     *transmittance = radiance.transmittance, *err = radiance.err;
 end:

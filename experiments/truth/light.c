@@ -7,11 +7,11 @@
  *      c(t_k) = F_k+1 b(r_k+1) + (1 - F_k+1) c(t_k+1),                                       (7)
  *      c(t_4) = b(t_4),                                                                      (8)
  *
- * with b the background in a direction, which no fluid and no solid hides. What differs: F is exact, where the paper has
- * Schlick's approximation, which knows no total reflection (here F = 1 then, and b(r) is all); `depth` crossings
- * are followed (path.depth=4 is eq. 8); refracted rays that meet no fluid any more see floor and solids, too; and by
- * eq. 9 light fades to black on its way inside, here to the medium's colour, as in the pass `composite`. What the paper
- * calls its limitation, that reflected rays are not followed, costs the difference between the two modes. */
+ * with b the background in a direction, which no fluid and no solid hides. What differs: F is exact, where the paper
+ * has Schlick's approximation, which knows no total reflection (here F = 1 then, and b(r) is all); `depth` crossings
+ * are followed (path.depth=4 is eq. 8); refracted rays that meet no fluid any more see floor and solids, too; and light
+ * fades inside to the medium's colour, as in the pass `composite`, where eq. 9 has black. What the paper calls its
+ * limitation, that reflected rays are not followed, costs the difference between the two modes. */
 #include "experiments/truth/light.h"
 
 #include "base/param.h"
@@ -110,9 +110,9 @@ typedef struct piece {
 } piece;
 
 /* Water and what floats in it, on one piece. Where the things are within it is not known, but each of them has at most
- * the whole piece's water before it, and water at most all of the things: so the light of things lies between F e^(-a s)
- * and F, that of water between c (1 - e^(-a s)) e^-tau and c (1 - e^(-a s)). The middle is taken, and half the
- * difference is a bound on its error. */
+ * the whole piece's water before it, and water at most all of the things: so the light F of things lies between
+ * F e^(-a s) and F, that of water between c (1 - e^(-a s)) e^-tau and c (1 - e^(-a s)). The middle is taken, and half
+ * the difference is a bound on its error. */
 static ssfr_result fade(const walk *w, const path *p, double from, double to, piece *out)
 {
     ssfr_result result = SSFR_OK;
@@ -221,7 +221,7 @@ static ssfr_result step(walk *w, path *p)
     bool found = false;
     const double far = w->around->trace(w->around->user, &p->ray, behind);
     SSFR_TRY(w->body->first(w->body->user, &p->ray, far, p->inside, &crossing, &found));
-    /* Inside without a way out, which a surface that is only touched may bring about: all that is known is the bound. */
+    /* Inside without a way out, as a surface that is only touched may bring about: all that is known is the bound. */
     const bool lost = !found && p->inside && isinf(far);
     if (!lost) SSFR_TRY(travel(w, p, found ? crossing.t : far));
     if (!found && !lost) escape(w, p, behind);

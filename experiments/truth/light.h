@@ -3,8 +3,8 @@
  *
  * At a crossing Snell's law and the exact Fresnel equations for unpolarised light split the ray, or reflect it whole.
  * Inside, light fades by Beer and Lambert's law towards the colour of infinitely thick fluid:
- * L = e^(-a s) L_behind + (1 - e^(-a s)) colour. Solids and the world around end a ray. Radiance is taken as it is carried
- * along a ray, without the factor n^2 that it has inside and loses again on its way out. */
+ * L = e^(-a s) L_behind + (1 - e^(-a s)) colour. Solids and the world around end a ray. Radiance is taken as it is
+ * carried along a ray, without the factor n^2 that it has inside and loses again on its way out. */
 #ifndef SSFR_TRUTH_LIGHT_H
 #define SSFR_TRUTH_LIGHT_H
 
@@ -54,9 +54,9 @@ typedef struct ssfr_surroundings {
 
 typedef struct ssfr_lit {
     double colour[3];   /* radiance */
-    double err;         /* of any channel, a bound: what paths that ended early could have brought instead of the sky, and
-                         * what the radiance of things that float is wrong by. That crossings lie elsewhere by their own
-                         * errors is not in it, nor is rounding */
+    double err;         /* of any channel, a bound: what paths that ended early could have brought instead of the sky,
+                         * and what the radiance of things that float is wrong by. That crossings lie elsewhere by
+                         * their own errors is not in it, nor is rounding */
     /* Where the light went, of 1 that came, for the channel with the least absorption: sums to 1. */
     double escaped;     /* into the surroundings */
     double absorbed;    /* in the body, and by what floats */
@@ -72,11 +72,11 @@ SSFR_MUST ssfr_result ssfr_light_follow(const ssfr_refractor *refractor, const s
 
 /* ---- at one crossing --------------------------------------------------------------------------------------------- */
 
-/* Share of unpolarised light that is reflected; cosine of the angle of incidence in [0, 1]; ratio: the index of refraction on
- * the far side over that on the near one. 1 when all of it is. */
+/* Share of unpolarised light that is reflected; cosine of the angle of incidence in [0, 1]; ratio: the index of
+ * refraction on the far side over that on the near one. 1 when all of it is. */
 double ssfr_fresnel(double cosine, double ratio);
-/* The unit directions in which light from dir (unit) goes on; normal: unit, against dir. False: nothing is refracted. With a
- * ratio of 1 the direction stays as it is, bit for bit. */
+/* The unit directions in which light from dir (unit) goes on; normal: unit, against dir. False: nothing is refracted.
+ * With a ratio of 1 the direction stays as it is, bit for bit. */
 bool ssfr_refract(const double dir[3], const double normal[3], double ratio, double out[3]);
 void ssfr_reflect(const double dir[3], const double normal[3], double out[3]);
 

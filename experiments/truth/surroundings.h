@@ -7,7 +7,8 @@
 #include "graph/frame.h"
 
 /* The scene without its particles, for rays relative to origin (m, world): the same radiance as the passes `background`
- * and `composite` have it. Its meshes and its environment must stay; the rest may go. Reading is for all threads at once. */
+ * and `composite` have it. Its meshes and its environment must stay; the rest may go. All threads may trace at
+ * once. */
 SSFR_MUST ssfr_result ssfr_surroundings_create(ssfr_surroundings **out, const ssfr_scene *scene,
                                                const ssfr_world *world, const double origin[3]);
 void ssfr_surroundings_destroy(ssfr_surroundings **around);
