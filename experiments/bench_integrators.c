@@ -20,8 +20,8 @@ typedef struct words {
 
 #define ROW(...) SSFR_OPTION(words, __VA_ARGS__)
 static const ssfr_option rows[] = {
-    ROW(output, "output", 'o', TEXT, "FILE.csv", "write the table as CSV too, with its .meta.json and .svg beside it", 0,
-        0),
+    ROW(output, "output", 'o', TEXT, "FILE.csv", "write the table as CSV too, with its .meta.json and .svg beside it",
+        0, 0),
     ROW(resume, "resume", 0, FLAG, NULL, "go on with FILE.csv: keep its rows, make those that it lacks", 0, 0),
     ROW(no_plot, "no-plot", 0, FLAG, NULL, "draw no chart", 0, 0),
     SSFR_OPTION_END,
@@ -39,8 +39,8 @@ static const ssfr_column columns[] = {
     {"n_rays", "1", 0, "rays"},
     {"kernels", "1", 0, "that a ray meets, mean"},
     {"value", "1", 0, "of the integral, mean"},
-    {"us_median", "us", -1, "time of an integral with its break points, without gathering kernels: median over the rays "
-                            "of each one's median"},
+    {"us_median", "us", -1, "time of an integral with its break points, without gathering kernels: median over the "
+                            "rays of each one's median"},
     {"us_mad", "us", -1, "median absolute deviation of the rays' medians"},
     {"us_min", "us", -1, "least of the rays' medians"},
     {"runs", "1", 0, "timed integrals of all rays"},
@@ -52,8 +52,9 @@ static const ssfr_column columns[] = {
     {"claimed_max", "1", 0, "largest error that the rule itself tells of"},
     {"claimed_median", "1", 0, "median of the same"},
     {"exceeded", "1", -1, "share of the rays whose error is above what the rule claims and the reference's own"},
-    {"reference_err", "1", 0, "the reference's own error, largest: of the density the closed form's difference to GSL's "
-                              "sum of each kernel by itself, of the radiance qagp's to gauss with 64 points a piece"},
+    {"reference_err", "1", 0, "the reference's own error, largest: of the density the closed form's difference to "
+                              "GSL's sum of each kernel by itself, of the radiance qagp's to gauss with 64 points a "
+                              "piece"},
 };
 enum { N_KEYS = 5, N_COLUMNS = SSFR_COUNT(columns), N_NUMBERS = N_COLUMNS - N_KEYS - 1 };
 
@@ -348,7 +349,16 @@ end:
     return result;
 }
 
-/* A panel for each kind of rays. */
+static bool has_points(const ssfr_csv_table *t, const char *integral, const char *kind)
+{
+    bool any = false;
+    for (size_t row = 0; row < t->n_rows && !any; row++)
+        any = strcmp(ssfr_csv_cell(t, row, 1), integral) == 0 && strcmp(ssfr_csv_cell(t, row, 2), kind) == 0 &&
+              strcmp(ssfr_csv_cell(t, row, N_KEYS), "ok") == 0;
+    return any;
+}
+
+/* A panel for each kind of rays that there is. */
 static ssfr_result draw(const bench *b)
 {
     enum { MOST = SSFR_N_STUDY_INTEGRALS * SSFR_STUDY_KINDS };
@@ -359,16 +369,18 @@ static ssfr_result draw(const bench *b)
     char titles[MOST][128], *svg = NULL;
     int n = 0;
     for (int i = 0; i < SSFR_N_STUDY_INTEGRALS; i++)
-        for (size_t k = 0; k < b->study.n_kinds[i]; k++, n++) {
+        for (size_t k = 0; k < b->study.n_kinds[i]; k++) {
             const char *kind = b->study.kinds[i][k].name;
+            if (!has_points(&view, ssfr_study_integrals[i], kind)) continue;
             snprintf(titles[n], sizeof titles[n], "%s along %.80s rays", ssfr_study_integrals[i], kind);
             panels[n] = (ssfr_panel){.title = titles[n], .x = "error_max", .y = "us_median", .x_label = x_labels[i],
                                      .y_label = "median time of a ray [us]", .log_x = true, .log_y = true,
                                      .keys = {{"integrator", NULL}, {b->study.n_scenes > 1 ? "scene" : NULL, NULL}},
                                      .only = {{"integral", ssfr_study_integrals[i]}, {"rays", kind}}};
+            n++;
         }
     SSFR_TRY(ssfr_meta_path(&svg, b->words.output, ".svg"));
-    SSFR_TRY(ssfr_chart_save(svg, &view, b->study.title, n, panels));
+    if (n > 0) SSFR_TRY(ssfr_chart_save(svg, &view, b->study.title, n, panels));
 end:
     free(svg);
     return result;

@@ -1,0 +1,106 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# test_bench_integrators.sh: the bench of integrators from outside: what its table holds, gone on with, errors.
+# shellcheck disable=SC2086,SC2016 # names are plain; awk expands its own
+
+test=bench_integrators
+. "$(dirname "$0")/cases.sh"
+
+cat >study.yaml <<'END'
+title: Two kinds of rays
+scenes: [block]
+size: [64, 64]
+extinction: {support: 2}
+candidates: 100
+density:
+  deep: {count: 2, content: [8, 100], regions: [1, 1]}
+  rim: {count: 1, content: [0, 0.5], order: most}
+radiance:
+  dense: {count: 1, order: most}
+integrators: [chords, qags, qagp, cquad, gauss, steps]
+tolerances: [1e-2, 1e-10]
+points: [2, 8]
+steps: [32, 512]
+END
+keys='NR > 1 { print $1 FS $2 FS $3 FS $4 FS $5 }'
+# rows EXPRESSION: how many rows awk finds it true for.
+rows() { awk -F, "NR > 1 && ($1)" i.csv | wc -l; }
+
+# ---- what it measures ----
+
+run bench integrators study.yaml -o i.csv
+that 'bench integrators runs' [ $status -eq 0 ]
+that 'without a complaint' [ ! -s err ]
+that 'it prints the best setting of each rule' [ "$(grep -c '^density	deep	' out)" -eq 6 ]
+that 'a row for each rule, setting and kind of rays' [ "$(rows 1)" -eq $((2 * 11 + 12)) ]
+that 'none of which failed' [ "$(rows '$6 == "ok"')" -eq "$(rows 1)" ]
+that 'all of one width' [ "$(awk -F, '{ print NF }' i.csv | sort -u)" = 21 ]
+that 'each ray took time' [ "$(rows '$10 > 0 && $13 >= 5')" -eq "$(rows 1)" ]
+that 'the number of rays is that of the study' [ "$(rows '$7 == ($3 == "deep" ? 2 : 1)')" -eq "$(rows 1)" ]
+that 'references are exact' [ "$(rows '$21 < 1e-12')" -eq "$(rows 1)" ]
+that 'eight points between break points are' [ "$(rows '$4 == "gauss" && $5 == 8 && $16 < 1e-6')" -eq 3 ]
+that 'so is qagp, whatever is asked' [ "$(rows '$4 == "qagp" && $16 < 1e-8')" -eq 6 ]
+that 'many steps are better than few' [ "$(awk -F, '$4 == "steps" && $5 == 32 { few[$2, $3] = $16 }
+    $4 == "steps" && $5 == 512 && $16 < 0.02 * few[$2, $3] { n++ } END { print n }' i.csv)" -eq 3 ]
+that 'closed forms call nothing' [ "$(rows '$2 == "density" && $4 == "chords" && $15 == 0 && $16 < 1e-12')" -eq 2 ]
+that 'what a rule claims is mostly enough' [ "$(rows '$20 > 0')" -le 3 ]
+that 'the metadata tell the study' grep -q '"study": "title: Two kinds of rays' i.meta.json
+that 'and its parameters' grep -q '"truth.kind": "density"' i.meta.json
+that 'each column is explained' [ "$(sed -n '/"columns"/,/}/p' i.meta.json | grep -c '": "')" -eq 21 ]
+if command -v gnuplot >/dev/null; then that 'the chart is drawn' grep -q 'density along rim rays' i.svg; fi
+
+# ---- gone on with ----
+
+cp i.csv whole.csv
+run bench integrators study.yaml -o i.csv --resume --no-plot
+that 'a whole table needs no run' [ $status -eq 0 ]
+that 'and stays as it was' cmp -s i.csv whole.csv
+awk -F, "$keys" whole.csv | sort >keys
+for share in 0 35 99; do
+    head -c $(($(wc -c <whole.csv) * share / 100)) whole.csv >i.csv
+    run bench integrators study.yaml -o i.csv --resume --no-plot
+    that "a table that is cut at $share % is made whole" [ $status -eq 0 ]
+    awk -F, "$keys" i.csv | sort >again
+    that 'with each row once' cmp -s again keys
+done
+sed 's/count: 1/count: 2/' study.yaml >other.yaml
+refuses 'rows of two studies do not mix' 'i.csv: was measured with other settings' \
+    bench integrators other.yaml -o i.csv --resume
+refuses 'going on needs a table' '--resume needs' bench integrators study.yaml --resume
+
+# ---- stopped ----
+
+sed 's/candidates: 100/candidates: 20000/; s/scenes:.*/scenes: [splash]/' study.yaml >long.yaml
+"$ssfr" bench integrators long.yaml -o s.csv 2>err &
+child=$!
+tries=0
+while [ $tries -lt 400 ] && [ ! -s s.csv ]; do sleep 0.05; tries=$((tries + 1)); done
+kill -TERM $child
+wait $child
+status=$?
+that 'a bench that is asked to stop leaves with 2' [ $status -eq 2 ]
+that 'and says how to go on' grep -q '^ssfr bench: interrupted.*--resume' err
+that 'its table ends in a whole line' [ "$(tail -c 1 s.csv | wc -l)" -eq 1 ]
+
+# ---- what cannot be measured ----
+
+sed 's/content: \[8, 100\]/content: [2000, 3000]/' study.yaml >none.yaml
+run bench integrators none.yaml -o n.csv --no-plot
+that 'kinds without a ray are told in their rows' [ "$(grep -c 'none of [0-9]* rays .* is deep' n.csv)" -eq 11 ]
+that 'and the rest is measured' [ "$(grep -c ',ok,' n.csv)" -eq 23 ]
+sed 's/scenes:.*/scenes: [absent.ply, block]/' study.yaml >absent.yaml
+run bench integrators absent.yaml -o a.csv --no-plot
+that 'so are scenes that are not there' [ "$(grep -c '^absent.ply,.*absent.ply: ' a.csv)" -eq 34 ]
+that 'and the next is measured' [ "$(grep -c '^block,.*,ok,' a.csv)" -eq 34 ]
+
+# ---- errors ----
+
+refuses 'it finds out at once where it cannot write' 'absent/i.csv' bench integrators study.yaml -o absent/i.csv
+refuses 'a study must be there' 'nothing.yaml' bench integrators nothing.yaml
+echo 'steps: [0]' >bad.yaml
+refuses 'a bad study is refused with its place' 'bad.yaml:1:9: steps: 0 is out of range' bench integrators bad.yaml
+refuses 'it takes one study' 'study.yaml' bench integrators study.yaml study.yaml
+run bench integrators --help
+that 'it explains itself' grep -q 'integrators.yaml' out
+
+finish
