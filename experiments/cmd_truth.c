@@ -20,10 +20,10 @@ typedef struct truth_options {
 #define ROW(...) SSFR_OPTION(truth_options, __VA_ARGS__)
 static const ssfr_option rows[] = {
     ROW(output, "output", 'o', TEXT, "FILE.exr",
-        "where to write: Z; N.X,N.Y,N.Z; T; D; F.R,F.G,F.B,F.A; R,G,B; their error bounds Z.err, N.err and so on", 0, 0),
+        "where to write: Z; N.X,N.Y,N.Z; T; D; F.R,F.G,F.B,F.A; R,G,B; bounds on their errors (Z.err ..)", 0, 0),
     ROW(preview, "preview", 0, TEXT, "FILE.png", "write a picture to look at, too: colour, or else normals", 0, 0),
     ROW(every, "every", 0, INTEGER, "N",
-        "cast one pixel of each square of N x N, chosen by --seed, and print 95 % confidence intervals (default 1: all)",
+        "cast one pixel of each square of N x N, chosen by --seed, and print 95 % intervals (default 1: all)",
         1, SSFR_MAX_SIZE),
     ROW(only, "only", 0, TEXT, "LIST", "of surface,thickness,foam,colour (default all): the same as truth.parts", 0, 0),
     ROW(integrator, "integrator", 0, TEXT, "NAME",
@@ -258,9 +258,9 @@ int ssfr_cmd_truth(int argc, char **argv)
         .command = argv[0], .arguments = "SCENE [-o FILE.exr]", .max_arguments = 1, .sets = sets,
         .help = "Casts a ray through the middle of each pixel of a scene (see ssfr render --help) into the continuous "
                 "fluid that its particles stand for (truth.kind), in double precision, and writes what it meets with "
-                "bounds on the error. Prints the means over the image as CSV. Tiles that are done are kept in DIR/truth "
-                "of --cache DIR (default: ssfr/truth in $XDG_CACHE_HOME or ~/.cache): the same command goes on where it "
-                "was interrupted."};
+                "bounds on the error. Prints the means over the image as CSV. Tiles that are done are kept in "
+                "DIR/truth of --cache DIR (default: ssfr/truth in $XDG_CACHE_HOME or ~/.cache): the same command goes "
+                "on where it was interrupted."};
     ssfr_stage_defaults(&stage_options);
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
     if (line.help) goto end;

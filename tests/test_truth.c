@@ -149,8 +149,8 @@ static void every_kind_of_fluid_has_finite_numbers(void **state)
     (void)state;
     ssfr_stage *stage = test_truth_scene("block", 24, 16);
     for (int kind = 0; ssfr_continuum_names[kind]; kind++) {
-        const char *const settings[] = {"truth.kind", ssfr_continuum_names[kind], "truth.judged", "1", "path.depth", "6",
-                                        "path.least", "0.01", NULL};
+        const char *const settings[] = {"truth.kind", ssfr_continuum_names[kind], "truth.judged", "1",
+                                        "path.depth", "6", "path.least", "0.01", NULL};
         const ssfr_truth_params params = test_truth_params(settings);
         ssfr_truth *truth = test_truth_cast(stage, &params);
         size_t covered = 0, crossed = 0;
@@ -191,10 +191,12 @@ static void a_million_metres_away_all_is_the_same(void **state)
 {
     (void)state;
     for (int kind = 0; ssfr_continuum_names[kind]; kind++) {
-        ssfr_truth *here = cast_cloud(ssfr_continuum_names[kind], 0), *there = cast_cloud(ssfr_continuum_names[kind], 1e6);
+        ssfr_truth *here = cast_cloud(ssfr_continuum_names[kind], 0);
+        ssfr_truth *there = cast_cloud(ssfr_continuum_names[kind], 1e6);
         for (int i = 0; i < W * H; i++)
             for (int c = 0; c < SSFR_N_TRUTH_CHANNELS; c++) {
-                const bool flat = here->channels[c] && c != SSFR_TRUTH_normal && !strstr(ssfr_truth_channels[c].name, "err");
+                const bool bound = strstr(ssfr_truth_channels[c].name, "err");
+                const bool flat = here->channels[c] && c != SSFR_TRUTH_normal && !bound;
                 if (flat) assert_close(there->channels[c]->data[i], here->channels[c]->data[i], 2e-6, 1e-6);
                 if (c == SSFR_TRUTH_normal)
                     for (int k = 0; k < 3; k++)
@@ -218,9 +220,10 @@ static void solids_and_the_floor_hide_fluid_when_asked(void **state)
 {
     (void)state;
     ssfr_stage *stage = one_ball(ball_eye);
-    const char *const settings[] = {"truth.kind", "spheres", "truth.parts", "surface,thickness", "truth.solids", "1", NULL};
-    const ssfr_truth_params hidden = test_truth_params(settings), seen = test_truth_params(balls);
+    const ssfr_truth_params seen = test_truth_params(balls);
+    ssfr_truth_params hidden = seen;
     const ssfr_camera *c = &stage->scene.camera;
+    assert_int_equal(ssfr_truth_set(&hidden, "truth.solids", "1"), SSFR_OK);
     add_wall(stage);
     stage->scene.floor = 0.1;
     ssfr_truth *cut = test_truth_cast(stage, &hidden), *whole = test_truth_cast(stage, &seen);
@@ -282,7 +285,8 @@ static void fluid_as_clear_as_air_is_not_seen(void **state)
     stage->scene.floor = empty->scene.floor = -0.3;
     ssfr_truth *with = test_truth_cast(stage, &params), *without = test_truth_cast(empty, &params);
     for (int i = 0; i < 3 * W * H; i++)
-        assert_close(with->channels[SSFR_TRUTH_colour]->data[i], without->channels[SSFR_TRUTH_colour]->data[i], 1e-9, 0);
+        assert_close(with->channels[SSFR_TRUTH_colour]->data[i], without->channels[SSFR_TRUTH_colour]->data[i],
+                     1e-9, 0);
     ssfr_truth_destroy(&with), ssfr_truth_destroy(&without);
     ssfr_stage_destroy(&stage), ssfr_stage_destroy(&empty);
 }
@@ -475,7 +479,8 @@ static void bounds_in_a_file_hold_for_its_floats(void **state)
     assert_int_equal(ssfr_truth_save(path, truth, &record), SSFR_OK);
     for (int c = 0; c + 1 < SSFR_N_TRUTH_CHANNELS; c++) {
         if (!truth->channels[c] || !strstr(ssfr_truth_channels[c + 1].name, "_err")) continue;
-        ssfr_field *values = load(path, ssfr_truth_channels[c].exr), *bounds = load(path, ssfr_truth_channels[c + 1].exr);
+        ssfr_field *values = load(path, ssfr_truth_channels[c].exr);
+        ssfr_field *bounds = load(path, ssfr_truth_channels[c + 1].exr);
         bool wider = false;
         for (int i = 0; i < W * H * values->c; i++) {
             const double exact = truth->channels[c]->data[i], bound = bounds->data[i / values->c];
@@ -515,7 +520,8 @@ static void a_preview_fills_the_squares(void **state)
         assert_int_equal(ssfr_png_load(path, &picture), SSFR_OK);
         assert_int_equal(picture->w, W);
         for (int k = 0; k < W * H; k++)
-            assert_memory_equal(picture->data + 3 * k, ssfr_field_at(picture, k % W / 4 * 4, k / W / 4 * 4), 3 * sizeof(double));
+            assert_memory_equal(picture->data + 3 * k, ssfr_field_at(picture, k % W / 4 * 4, k / W / 4 * 4),
+                                3 * sizeof(double));
         ssfr_field_destroy(&picture);
         ssfr_truth_destroy(&truth);
     }
@@ -568,13 +574,16 @@ static void bad_parameters_are_refused_in_one_line(void **state)
     (void)state;
     ssfr_truth_params params;
     ssfr_truth_defaults(&params);
-    assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "truth.kinds", "1"), "truth.kinds: no such parameter; there are kind, ");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "truth.kinds", "1"),
+                 "truth.kinds: no such parameter; there are kind, ");
     assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "truth.kinds", "1"), "parts, integrator");
     assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "bilateral.sigma", "1"),
                  "its groups are truth, extinction, path, anisotropy, medium, light, sky, floor");
     assert_fails(SSFR_ERR_UNKNOWN, ssfr_truth_set(&params, "truth", "1"), "its groups are truth");
-    assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.kind", "water"), "truth.kind=water: expected one of spheres, density");
-    assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.parts", "surface,air"), "surface, thickness, foam, colour");
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.kind", "water"),
+                 "truth.kind=water: expected one of spheres, density");
+    assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.parts", "surface,air"),
+                 "surface, thickness, foam, colour");
     assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.level", "NaN"), "truth.level=NaN");
     assert_fails(SSFR_ERR_VALUE, ssfr_truth_set(&params, "truth.judged", "1.1"), "truth.judged=1.1");
 }
@@ -604,7 +613,8 @@ static void a_scene_file_sets_what_truth_has(void **state)
 {
     (void)state;
     static const char text[] =
-        "title: A\nradius: 0.05\nparticles: 100\nduration: 0.4\nframe_rate: 20\ndomain: {lo: [0, 0, 0], hi: [1, 1, 1]}\n"
+        "title: A\nradius: 0.05\nparticles: 100\nduration: 0.4\nframe_rate: 20\n"
+        "domain: {lo: [0, 0, 0], hi: [1, 1, 1]}\n"
         "fluid: {column: {lo: [0, 0, 0], hi: [0.2, 0.2, 0.2]}}\ncameras: {side: {eye: [0, 0, 2], target: [0, 0, 0]}}\n"
         "set: {curvature_flow.iterations: 3}\nmedium: {ior: 1.5}\nlight: {ambient: 0.25}\n";
     ssfr_truth_params params;

@@ -359,7 +359,8 @@ static void a_full_disk_is_one_line_and_what_was_done_stays(void **state)
 static bool counts(const ssfr_stage *stage, const char *parts, const char *key, const char *value)
 {
     const ssfr_truth_options options = {.every = 1, .seed = 1};
-    const char *const before[] = {"truth.parts", parts, NULL}, *const after[] = {"truth.parts", parts, key, value, NULL};
+    const char *const before[] = {"truth.parts", parts, NULL};
+    const char *const after[] = {"truth.parts", parts, key, value, NULL};
     const ssfr_truth_params a = test_truth_params(before), b = test_truth_params(after);
     return ssfr_truth_key(stage, &a, &options) != ssfr_truth_key(stage, &b, &options);
 }

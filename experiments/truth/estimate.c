@@ -2,10 +2,10 @@
 /* estimate.c: the mean of a stratified sample with one pixel a stratum, and its interval from collapsed strata.
  *
  * Square h has n_h pixels of N; one of them, drawn with equal chances, has the value y_h. The mean is estimated by
- * sum W_h y_h, W_h = n_h / N, without bias. One pixel tells nothing of the variance in its square, so neighbours are taken
- * together in pairs (Cochran 1977, Sampling Techniques, sec. 5A.12): (W_a y_a - W_b y_b)^2 is, in the mean, no less than
- * the variance of the two. A mean over the covered pixels is a ratio of two such means, whose variance is that of the
- * residuals y_h - R x_h, over the covered share (ibid., sec. 6.4). */
+ * sum W_h y_h, W_h = n_h / N, without bias. One pixel tells nothing of the variance in its square, so neighbours are
+ * taken together in pairs (Cochran 1977, Sampling Techniques, sec. 5A.12): (W_a y_a - W_b y_b)^2 is, in the mean, no
+ * less than the variance of the two. A mean over the covered pixels is a ratio of two such means, whose variance is
+ * that of the residuals y_h - R x_h, over the covered share (ibid., ch. 6). */
 #include "experiments/truth/estimate.h"
 
 #include <float.h>

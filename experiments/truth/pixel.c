@@ -278,8 +278,8 @@ static ssfr_result tell_colour(ssfr_truth_worker *w, const view *v, double *valu
     bool inside;
     ssfr_ray_at(&v->ray, v->near, ray.origin);
     SSFR_TRY(ssfr_crossings_inside(&w->fluid, ray.origin, &inside));
-    SSFR_TRY(ssfr_light_follow(ssfr_fluid_light_refractor(w->light), w->scene->around, &w->scene->params->path, &ray, inside,
-                               &lit));
+    SSFR_TRY(ssfr_light_follow(ssfr_fluid_light_refractor(w->light), w->scene->around, &w->scene->params->path, &ray,
+                               inside, &lit));
     memcpy(values + at[SSFR_TRUTH_colour], lit.colour, sizeof lit.colour);
     values[at[SSFR_TRUTH_colour_err]] = lit.err;
 end:

@@ -20,7 +20,8 @@ static void lay_out(ssfr_tiles *tiles, unsigned parts)
 
 ssfr_result ssfr_tiles_init(ssfr_tiles *out, int w, int h, unsigned parts, int every, uint64_t seed)
 {
-    const int tiles_x = (w + SSFR_TRUTH_TILE - 1) / SSFR_TRUTH_TILE, tiles_y = (h + SSFR_TRUTH_TILE - 1) / SSFR_TRUTH_TILE;
+    const int tiles_x = (w + SSFR_TRUTH_TILE - 1) / SSFR_TRUTH_TILE;
+    const int tiles_y = (h + SSFR_TRUTH_TILE - 1) / SSFR_TRUTH_TILE;
     int pixels[SSFR_TRUTH_TILE_PIXELS][2];
     *out = (ssfr_tiles){.w = w, .h = h, .every = every, .seed = seed, .tiles_x = tiles_x, .n = tiles_x * tiles_y};
     lay_out(out, parts);

@@ -32,7 +32,7 @@ void ssfr_tiles_finish(ssfr_tiles *tiles);
 /* The pixels of a tile that are cast, in an order that does not change; how many. */
 int ssfr_tiles_pixels(const ssfr_tiles *tiles, int tile, int pixels[SSFR_TRUTH_TILE_PIXELS][2]);
 
-/* The pixel that stands for a square, px from its corner at x, y: each of the part inside the image has the same chance. */
+/* The pixel that stands for the square whose corner is at x, y: each of those inside the image has the same chance. */
 void ssfr_tiles_choose(const ssfr_tiles *tiles, int x, int y, int pixel[2]);
 
 #endif

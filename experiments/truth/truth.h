@@ -13,8 +13,8 @@
 /* Must be raised when any pixel's bits change: cached truth is of one version. */
 enum { SSFR_TRUTH_VERSION = 1 };
 
-/* What a pixel gets: X(id, channels, EXR names, part, unit, help). All lie on the ray through the pixel's middle. Depth,
- * normal and thickness are as slots of pipelines have them: world or eye axes, signs and empty values are the same. */
+/* What a pixel gets: X(id, channels, EXR names, part, unit, help). All is met by the ray through the pixel's middle.
+ * Depth, normal and thickness are as slots of pipelines have them: axes, signs and empty values are the same. */
 typedef enum ssfr_truth_channel {
 #define X(id, n, names, part, unit, help) SSFR_TRUTH_##id,
 #include "experiments/truth/channels.def"
@@ -47,8 +47,8 @@ typedef struct ssfr_truth_cast_params { /* truth.*, beside those of ssfr_continu
     double eps_abs, eps_rel;
     int points, steps;
     double judged;    /* share of the rays that GSL's qagp judges when the integrator is `chords`, [0, 1] */
-    int solids;       /* flag: solids and the floor hide what is behind them from depth, normal and thickness, too. Slots of
-                       * pipelines hold the fluid alone, so it is off by default; foam and colour always have solids */
+    int solids;       /* flag: solids and the floor hide what is behind them from depth, normal and thickness, too; off
+                       * as in the slots of pipelines, which hold the fluid alone. Foam and colour always have solids */
 } ssfr_truth_cast_params;
 
 typedef struct ssfr_truth_params {
@@ -83,7 +83,7 @@ typedef struct ssfr_truth_options {
 typedef struct ssfr_truth_stats {
     size_t rays, crossings, touches, judged; /* of view rays, not of those that light takes */
     double judged_max;    /* m, the largest disagreement of the closed form with GSL's integral */
-    double judged_ratio;  /* the same over the sum of both estimates. GSL's is no bound: a few are usual, many a mistake */
+    double judged_ratio;  /* the same over the sum of both estimates: GSL's is no bound, but far above 1 one is wrong */
     double seconds;       /* that casting took all threads together, also before it was stopped and resumed */
     double bytes;         /* of the fluid's and the foam's arrays; 0 when nothing had to be cast */
     bool cached;          /* nothing had to be cast */

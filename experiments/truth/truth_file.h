@@ -12,8 +12,8 @@ SSFR_MUST ssfr_result ssfr_truth_record(ssfr_record *record, const ssfr_truth *t
 /* All channels as 32-bit floats; the bounds grow by what that changes, so that they hold for the file. */
 SSFR_MUST ssfr_result ssfr_truth_save(const char *path, const ssfr_truth *truth, const ssfr_record *record);
 
-/* A PNG of the first of these that is there: the colour, the normals as seen by a lamp beside the eye, the thickness, the
- * foam. A pixel that was not cast shows that of its square. */
+/* A PNG of the first of these that is there: the colour, the normals as a lamp beside the eye lights them, the
+ * thickness, the foam. A pixel that was not cast shows that of its square. */
 SSFR_MUST ssfr_result ssfr_truth_preview(const char *path, const ssfr_truth *truth);
 
 #endif
