@@ -8,7 +8,7 @@
 #include <gsl/gsl_roots.h>
 
 /* In supports. The lengths change the cost, not the result. */
-static const double step_length = 0.4;   /* of a first try */
+static const double step_length = 0.3;   /* of a first try */
 static const double piece_length = 3;    /* of a line that is cast piece by piece; each further one is twice as long */
 /* A ray that begins on the surface may for so long be on the wrong side of it, by its origin's rounding. */
 static const double start_length = 1e-6;
@@ -24,7 +24,7 @@ ssfr_result ssfr_crossings_init(ssfr_crossings *crossings)
     ssfr_span_init(span);
     crossings->work = span;
     crossings->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-    if (!crossings->solver) SSFR_TRY(ssfr_fail(SSFR_ERR_MEMORY, "out of memory: GSL's root finder"));
+    if (!crossings->solver) SSFR_TRY(ssfr_fail(SSFR_ERR_MEMORY, "no memory for GSL's root finder"));
 end:
     if (result != SSFR_OK) ssfr_crossings_finish(crossings);
     return result;
@@ -271,7 +271,7 @@ end:
 
 /* ---- spheres: the union of chords -------------------------------------------------------------------------------- */
 
-/* The part of the ray in a ball; it may also miss the ball, when it grazes. */
+/* The part of the ray in a ball, which it may miss when it grazes. */
 typedef struct chord {
     double enters, leaves; /* m */
     double err;            /* m, of both */
@@ -289,14 +289,22 @@ static chord chord_of(const ssfr_line *line, const ssfr_line_kernel *k)
     return (chord){k->middle - half, k->middle + half, fmax(most - half, half - least) + rounding, left <= doubt};
 }
 
-static ssfr_result cross_sphere(walk *w, const ssfr_line_kernel *k, double t, double t_err, bool enters)
+/* Where a ball is entered or left. */
+typedef struct rim {
+    const ssfr_line_kernel *ball; /* NULL: none yet */
+    double t, err;                /* m */
+    bool shared;                  /* with another ball, but for rounding: whose normal it is is not known */
+} rim;
+
+static ssfr_result cross_rim(walk *w, const rim *at, bool enters)
 {
     ssfr_result result = SSFR_OK;
     ssfr_crossing *item = NULL;
-    const double off = (t_err + w->line->digits) / w->line->fluid->support + 8 * DBL_EPSILON;
+    const double off = (at->err + w->line->digits) / w->line->fluid->support + 8 * DBL_EPSILON;
     SSFR_TRY(append(w->out, &item));
-    *item = (ssfr_crossing){.t = t, .t_err = t_err, .enters = enters, .normal_err = off < 1 ? asin(off) : M_PI};
-    for (int c = 0; c < 3; c++) item->normal[c] = k->aside[c] + (t - k->middle) * w->line->ray.dir[c];
+    *item = (ssfr_crossing){.t = at->t, .t_err = at->err, .enters = enters,
+                            .normal_err = off < 1 && !at->shared ? asin(off) : M_PI};
+    for (int c = 0; c < 3; c++) item->normal[c] = at->ball->aside[c] + (at->t - at->ball->middle) * w->line->ray.dir[c];
     ssfr_normalize(item->normal);
     w->side = enters ? 1 : -1;
 end:
@@ -305,23 +313,29 @@ end:
 
 /* Balls that hang together along the line, from where the first is entered to where the last is left. */
 typedef struct chain {
-    const ssfr_line_kernel *first, *last; /* NULL: no ball yet */
-    double enters, enters_err, leaves, leaves_err;
+    rim first, last;
 } chain;
 
 /* What lies of the chain between the walk's place and `to`. */
 static ssfr_result pass_chain(walk *w, const chain *c, double to)
 {
     ssfr_result result = SSFR_OK;
-    if (!c->first) return SSFR_OK;
-    if (w->side == 0 && fabs(c->enters - w->at) <= c->enters_err) touch(w->out, w->at, c->enters_err);
-    if (w->side == 0 && fabs(c->leaves - w->at) <= c->leaves_err) touch(w->out, w->at, c->leaves_err);
-    if (c->leaves <= w->at) return SSFR_OK;
-    if (w->side == 0) w->side = c->enters <= w->at ? 1 : -1, w->out->begins_inside = w->side > 0;
-    if (c->enters < to && w->side < 0) SSFR_TRY(cross_sphere(w, c->first, c->enters, c->enters_err, true));
-    if (c->leaves < to && w->side > 0) SSFR_TRY(cross_sphere(w, c->last, c->leaves, c->leaves_err, false));
+    const rim *rims[2] = {&c->first, &c->last};
+    if (!c->first.ball) return SSFR_OK;
+    for (int i = 0; w->side == 0 && i < 2; i++)
+        if (fabs(rims[i]->t - w->at) <= rims[i]->err) touch(w->out, w->at, rims[i]->err);
+    if (c->last.t <= w->at) return SSFR_OK;
+    if (w->side == 0) w->side = c->first.t <= w->at ? 1 : -1, w->out->begins_inside = w->side > 0;
+    if (c->first.t < to && w->side < 0) SSFR_TRY(cross_rim(w, &c->first, true));
+    if (c->last.t < to && w->side > 0) SSFR_TRY(cross_rim(w, &c->last, false));
 end:
     return result;
+}
+
+static void share(rim *a, const rim *b)
+{
+    a->err = fmax(a->err, b->err) + fabs(a->t - b->t);
+    a->shared = true;
 }
 
 /* Takes the next ball into the chain; where it does not belong there the chain is passed and begins anew. */
@@ -329,19 +343,21 @@ static ssfr_result add_ball(walk *w, chain *c, const ssfr_line_kernel *k, double
 {
     ssfr_result result = SSFR_OK;
     const chord ball = chord_of(w->line, k);
-    const double gap = c->first ? ball.enters - c->leaves : INFINITY;
-    const double doubt = ball.err + (c->first ? c->leaves_err : 0);
+    const rim enters = {k, ball.enters, ball.err, false}, leaves = {k, ball.leaves, ball.err, false};
+    const double gap = c->last.ball ? ball.enters - c->last.t : INFINITY, doubt = ball.err + c->last.err;
     if (ball.grazes && gap > -doubt) {
         touch(w->out, ball.enters, ball.leaves - ball.enters + 2 * ball.err);
         return SSFR_OK;
     }
     if (gap > doubt) {
         SSFR_TRY(pass_chain(w, c, to));
-        *c = (chain){k, k, ball.enters, ball.err, ball.leaves, ball.err};
+        *c = (chain){enters, leaves};
         return SSFR_OK;
     }
-    if (gap >= -doubt) touch(w->out, c->leaves, doubt);
-    if (ball.leaves > c->leaves) c->last = k, c->leaves = ball.leaves, c->leaves_err = ball.err;
+    if (gap >= -doubt) touch(w->out, c->last.t, doubt);
+    if (ball.enters - c->first.t <= ball.err + c->first.err) share(&c->first, &enters);
+    if (fabs(ball.leaves - c->last.t) <= doubt) share(&c->last, &leaves);
+    else if (ball.leaves > c->last.t) c->last = leaves;
 end:
     return result;
 }
@@ -350,7 +366,6 @@ static ssfr_result walk_spheres(walk *w, double to)
 {
     ssfr_result result = SSFR_OK;
     chain c = {0};
-    /* Which ball is entered first rounding may hide, too: the one that is entered later then counts as entered there. */
     for (size_t i = 0; i < w->line->n; i++) SSFR_TRY(add_ball(w, &c, w->line->kernels + i, to));
     SSFR_TRY(pass_chain(w, &c, to));
     if (w->side == 0) w->side = -1;
