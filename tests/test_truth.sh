@@ -1,0 +1,135 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# test_truth.sh: ground truth from outside: files, samples, the cache, interrupts, and what is refused.
+# shellcheck disable=SC2086 # variables hold several options
+
+test=truth
+. "$(dirname "$0")/cases.sh"
+
+# accepts NAME ARGS: leaves with 0.
+accepts() {
+    name=$1; shift; run "$@"
+    if [ $status -eq 0 ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
+}
+
+export XDG_CACHE_HOME="$work/cache"
+small="--size 64x48 --only surface,thickness"
+balls="--set truth.kind=spheres"
+
+# value QUANTITY: its estimate in `out`.
+value() { awk -F , -v name="$1" '$1 == name { print $3 }' out; }
+n_files() { find "$work/cache" -name '*.tiles' | wc -l; }
+
+# ---- help and lists ----
+
+accepts '--help' truth --help
+that 'tells of --every' grep -q -- '--every N' out
+that 'and of the view' grep -q -- '--eye X,Y,Z' out
+accepts '--parameters' truth --parameters --set truth.level=0.4
+that 'lists those of truth with their values' grep -q '^truth.level	1	0.4	' out
+that 'and those of the scene' grep -q '^medium.ior	' out
+
+# ---- a ball ----
+
+accepts 'a ball' truth sphere $small $balls -o ball.exr --preview ball.png
+that 'has a table' grep -q '^quantity,unit,estimate,low,high,n$' out
+that 'that says what is covered' awk -F , '$1 == "covered" { good = $3 > 0.2 && $4 <= $3 && $3 <= $5 && $6 == 3072 }
+    END { exit !good }' out
+that 'and that a ball holds one ball' [ "$(value thickness)" = "$(value content)" ]
+that 'has a preview' [ -s ball.png ]
+that 'says nothing else' [ ! -s err ]
+cp out first
+accepts 'the same from the cache' truth sphere $small $balls -o again.exr --verbose
+that 'says so' grep -q 'all from the cache' err
+that 'has the same table' cmp -s out first
+accepts 'with another number of threads and no cache' truth sphere $small $balls -o other.exr --no-cache --threads 3
+that 'has the same table, too' cmp -s out first
+for channel in Z N.X,N.Y,N.Z T D Z.err T.err; do
+    accepts "and the same bits in $channel" compare again.exr other.exr --channel $channel
+    that 'by its metrics' awk -F , '$1 == "max" || $1 == "rmse" { if ($3 != 0) exit 1 }' out
+done
+accepts 'without a file' truth sphere $small $balls
+accepts 'with a cache of its own' truth sphere $small $balls --cache mine
+that 'which is in the folder that was named' [ "$(find mine/truth -name '*.tiles' | wc -l)" -eq 1 ]
+accepts 'anew' truth sphere $small $balls --anew --verbose
+that 'casts again' sh -c '! grep -q "from the cache" err'
+
+# ---- places and kinds ----
+
+# A million metres away the built-in block must be what it is at home.
+accepts 'a block' truth block $small -o here.exr
+here=$(value depth),$(value thickness),$(value content)
+accepts 'a block a million metres away' truth far $small -o there.exr
+there=$(value depth),$(value thickness),$(value content)
+that 'has the same depth, thickness and content' awk -v a="$here" -v b="$there" 'BEGIN {
+    n = split(a, x, ","); split(b, y, ",")
+    for (i = 1; i <= n; i++) if (x[i] == 0 || (x[i] / y[i] - 1) ^ 2 > 1e-12) exit 1 }'
+accepts 'pixel by pixel' compare here.exr there.exr --channel Z,T
+for kind in spheres density zhu_bridson anisotropic; do
+    accepts "the plane as $kind" truth plane $small --set truth.kind=$kind
+    accepts "nothing as $kind" truth empty $small --set truth.kind=$kind
+    that 'covers nothing' [ "$(value covered)" = 0 ]
+done
+accepts 'the splash, in colour, a sample' truth splash --size 160x90 --every 16 -o splash.exr --preview splash.png
+that 'with its luminance' awk -F , '$1 == "luminance" { good = $3 > 0.1 && $4 < $3 && $3 < $5 && $6 == 60 }
+    END { exit !good }' out
+from_behind="--eye 1.35,0.6,-4 --target 1.35,0.3,0"
+accepts 'the splash from behind its wall' truth splash $small $from_behind --set truth.solids=1
+hidden=$(value covered)
+accepts 'as if there were no wall' truth splash $small $from_behind
+that 'which hides some of it' awk -v a="$hidden" -v b="$(value covered)" 'BEGIN { exit !(a < b) }'
+
+# ---- samples ----
+
+accepts 'every pixel' truth block $small
+whole=$(value thickness)
+accepts 'every fourth' truth block $small --every 4
+that 'has an interval around the mean' awk -F , -v mean="$whole" '$1 == "thickness" { good = $4 < mean && mean < $5 }
+    END { exit !good }' out
+that 'of one pixel a square' grep -q '^thickness,m,.*,192$' out
+cp out first
+accepts 'with another seed' truth block $small --every 4 --seed 2
+that 'has other pixels' sh -c '! cmp -s out first'
+
+# ---- interrupted ----
+
+n=$(n_files)
+long="splash --size 64x40 --threads 1"
+"$ssfr" truth $long >out 2>err &
+pid=$!
+tries=500
+while [ "$(n_files)" -eq "$n" ] && [ $tries -gt 0 ]; do sleep 0.02; tries=$((tries - 1)); done
+sleep 0.1
+kill -TERM $pid
+wait $pid
+status=$?
+that 'SIGTERM ends it with 2' [ $status -eq 2 ]
+that 'says how to go on' grep -q 'tiles: the same command goes on from there' err
+that 'prints no table' [ ! -s out ]
+accepts 'goes on' truth $long
+cp out first
+accepts 'as if nothing had been' truth $long --no-cache
+that 'to the last digit' cmp -s out first
+
+# ---- what is refused ----
+
+refuses 'no scene' 'too few arguments: usage: ssfr truth SCENE' truth
+refuses 'a scene that is not there' 'nowhere' truth nowhere.yaml
+refuses 'another ending' 'truth.txt: the name must end in .exr' truth sphere -o truth.txt
+refuses 'a preview that is no PNG' 'a.exr: the name must end in .png' truth sphere --preview a.exr
+refuses 'a folder that is not there' 'no/truth.exr' truth sphere -o no/truth.exr
+refuses '--every 0' '--every 0' truth sphere --every 0
+refuses 'a part that is none' 'truth.parts=depth: expected' truth sphere --only depth
+refuses 'no part' 'truth.parts=none' truth sphere --only none
+refuses 'an integrator that is none' 'truth.integrator=simpson' truth sphere --integrator simpson
+refuses 'a parameter that is none' 'truth.speed: no such parameter; there are kind' truth sphere --set truth.speed=1
+refuses 'a group that is none' 'its groups are truth, extinction' truth sphere --set water.ior=1
+refuses 'a value out of range' 'truth.level=2' truth sphere --set truth.level=2
+refuses 'no value' 'expected KEY=VALUE' truth sphere --set truth.level
+refuses 'frames of one picture' 'has no frames' truth sphere --frames :
+refuses 'frames without a place for the number' 'a.exr' truth sphere --frames : -o a.exr
+refuses 'the cache and none' '--no-cache and --anew' truth sphere --no-cache --anew
+touch file
+refuses 'a cache in a file' 'file/truth' truth sphere $small --cache file
+
+finish
