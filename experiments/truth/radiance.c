@@ -226,6 +226,15 @@ static double end_in_the_dark(course *c)
     return DEEP;
 }
 
+/* What rounding of the depth does to what is collected, per colour: of a fleck both its light and its shade, by no more
+ * than comes through to its begin. Of all flecks it is about the same. */
+static double depth_doubt(const course *c)
+{
+    double sum = 0;
+    for (size_t i = 0; i < c->n; i++) sum += exp(-c->flecks[first_at(c, c->flecks[i].begins)].before);
+    return fmin(1, 2 * c->depth_err / (double)c->n * sum);
+}
+
 static ssfr_result course_init(course *c, const ssfr_extinction *extinction, const ssfr_line *line, double a, double b)
 {
     *c = (course){.radial = extinction->kernels.radial, .from = INFINITY, .to = -INFINITY};
@@ -235,7 +244,7 @@ static ssfr_result course_init(course *c, const ssfr_extinction *extinction, con
     }
     c->from = fmax(c->from, fmax(a, line->from));
     c->to = fmin(c->to, fmin(b, line->to));
-    if (!(c->from < c->to)) return SSFR_OK;
+    if (!(a < b && c->from < c->to)) return SSFR_OK;
 
     const ssfr_result result = ssfr_alloc(&c->flecks, line->n, sizeof *c->flecks, "foam along a ray");
     if (result != SSFR_OK) return result;
@@ -266,36 +275,32 @@ static const double *colour_at(const course *c, double t)
     return colour;
 }
 
-static bool all_grey(const course *c)
-{
-    for (size_t i = 0; i < c->n; i++)
-        if (c->flecks[i].colour[0] != c->flecks[i].colour[1] || c->flecks[i].colour[0] != c->flecks[i].colour[2])
-            return false;
-    return true;
-}
-
-/* The least and the largest colour on the way: what is collected lies between them, times the opacity, whatever a rule
- * says of it. */
-static void colour_range(const course *c, double lo[3], double hi[3])
-{
-    for (int k = 0; k < 3; k++) lo[k] = INFINITY, hi[k] = -INFINITY;
-    for (size_t i = 0; i < c->n; i++)
-        for (int k = 0; k < 3; k++) {
-            lo[k] = fmin(lo[k], c->flecks[i].colour[k]);
-            hi[k] = fmax(hi[k], c->flecks[i].colour[k]);
-        }
-}
-
-/* One job: the pieces of a ray's radiance, and of each channel its error. */
+/* One job: a ray's radiance, channel by channel, and what it may be wrong by. */
 typedef struct sum {
     course c;
     ssfr_line *line;
     ssfr_integration *work;
     const ssfr_integrate_params *params;
     double opacity;      /* of the whole course */
+    double lo[3], hi[3]; /* the least and the largest colour on it */
+    bool grey;           /* all channels are alike */
     double value[3], err[3];
     size_t evaluations;
 } sum;
+
+static void survey(sum *s)
+{
+    s->grey = true;
+    for (int k = 0; k < 3; k++) s->lo[k] = INFINITY, s->hi[k] = -INFINITY;
+    for (size_t i = 0; i < s->c.n; i++) {
+        const double *colour = s->c.flecks[i].colour;
+        s->grey = s->grey && colour[0] == colour[1] && colour[0] == colour[2];
+        for (int k = 0; k < 3; k++) {
+            s->lo[k] = fmin(s->lo[k], colour[k]);
+            s->hi[k] = fmax(s->hi[k], colour[k]);
+        }
+    }
+}
 
 /* The share of light that is stopped between two optical depths. */
 static double stopped(double depth, double deeper)
@@ -315,11 +320,10 @@ static ssfr_result add_integral(sum *s, ssfr_integrator_id id, const ssfr_integr
                                 const double *breaks)
 {
     ssfr_result result = SSFR_OK;
-    const bool grey = all_grey(&s->c);
     const ssfr_integrand integrand = {shine, &s->c, n_breaks, breaks};
     ssfr_integral integral = {0};
     for (int k = 0; k < 3; k++) {
-        if (k == 0 || !grey) {
+        if (k == 0 || !s->grey) {
             s->c.channel = k;
             SSFR_TRY(ssfr_integrate(s->work, id, &integrand, params, &integral));
             s->evaluations += integral.evaluations;
@@ -331,45 +335,32 @@ end:
     return result;
 }
 
-/* Pieces that are taken together: all mixed, or none of them and of one colour, where there is any. */
-static bool joins(const double *colour, const double *more)
-{
-    if (colour == mixed || more == mixed) return colour == more;
-    return !colour || !more || same_colour(colour, more);
-}
-
-/* The end of the run of pieces that begins at `first`, and its colour. */
-static size_t run_end(const course *c, size_t n_breaks, const double *breaks, size_t first, const double **colour)
-{
-    size_t next = first + 1;
-    *colour = colour_at(c, 0.5 * (breaks[first] + breaks[next]));
-    for (; next + 1 < n_breaks; next++) {
-        const double *more = colour_at(c, 0.5 * (breaks[next] + breaks[next + 1]));
-        if (!joins(*colour, more)) break;
-        if (!*colour) *colour = more;
-    }
-    return next;
-}
-
 /* Between breaks there is a closed form where all that is there has one colour: only the other pieces need a rule. What
- * may be missed absolutely is shared out by how much light each run stops. */
+ * may be missed is shared out evenly; what is collected is at least the darkest colour times the opacity. */
 static ssfr_result add_pieces(sum *s, size_t n_breaks, const double *breaks)
 {
     ssfr_result result = SSFR_OK;
     const course *c = &s->c;
-    for (size_t first = 0, next; first + 1 < n_breaks; first = next) {
-        const double *colour;
-        next = run_end(c, n_breaks, breaks, first, &colour);
-        if (!colour) continue;
-        const double share = stopped(depth_at(c, breaks[first]), depth_at(c, breaks[next]));
-        if (colour != mixed) {
-            add_closed(s, colour, share);
-            continue;
+    const double darkest = fmax(0, fmin(s->lo[0], fmin(s->lo[1], s->lo[2])));
+    ssfr_integrate_params part = *s->params;
+    part.eps_abs = fmax(part.eps_abs, part.eps_rel * darkest * s->opacity) / (double)n_breaks;
+    double depth = depth_at(c, breaks[0]), begun = depth; /* of the closed forms that are taken together */
+    const double *colour = NULL;
+    for (size_t i = 0; i + 1 < n_breaks; i++) {
+        const double *next = colour_at(c, 0.5 * (breaks[i] + breaks[i + 1]));
+        if (colour && next && (next == mixed || !same_colour(colour, next))) {
+            add_closed(s, colour, stopped(begun, depth));
+            colour = NULL, begun = depth;
         }
-        ssfr_integrate_params part = *s->params;
-        if (s->opacity > 0) part.eps_abs *= share / s->opacity;
-        SSFR_TRY(add_integral(s, SSFR_INTEGRATOR_qagp, &part, next - first + 1, breaks + first));
+        depth = depth_at(c, breaks[i + 1]);
+        if (next == mixed) {
+            SSFR_TRY(add_integral(s, SSFR_INTEGRATOR_qags, &part, 2, breaks + i));
+            begun = depth;
+        } else if (next) {
+            colour = next;
+        }
     }
+    if (colour) add_closed(s, colour, stopped(begun, depth));
 end:
     return result;
 }
@@ -379,18 +370,18 @@ static ssfr_result add_all(sum *s, ssfr_integrator_id id)
     ssfr_result result = SSFR_OK;
     size_t n_breaks = 0;
     const double *breaks = NULL;
-    const double reached = end_in_the_dark(&s->c);
+    const double doubt = depth_doubt(&s->c), reached = end_in_the_dark(&s->c);
     SSFR_TRY(ssfr_line_breaks(s->line, s->c.from, s->c.to, &n_breaks, &breaks));
     if (id == SSFR_INTEGRATOR_chords) SSFR_TRY(add_pieces(s, n_breaks, breaks));
     else SSFR_TRY(add_integral(s, id, s->params, n_breaks, breaks));
 
-    double lo[3], hi[3];
-    colour_range(&s->c, lo, hi);
     for (int k = 0; k < 3; k++) {
-        const double low = lo[k] * s->opacity, high = hi[k] * s->opacity;
-        /* What is left in the dark, and what a depth that is a little off does to both factors of the integrand. */
-        const double brightest = fmax(fabs(lo[k]), fabs(hi[k]));
-        s->err[k] += brightest * (stopped(reached, s->c.depth) + 2 * fmin(s->c.depth_err, 1));
+        /* What is left in the dark, what a depth that is a little off does, and sums of so many pieces. */
+        const double brightest = fmax(fabs(s->lo[k]), fabs(s->hi[k]));
+        s->err[k] += brightest * (stopped(reached, s->c.depth) + doubt);
+        s->err[k] += (double)n_breaks * DBL_EPSILON * fabs(s->value[k]);
+        /* Whatever a rule says, what is collected lies between the least and the largest colour times the opacity. */
+        const double low = s->lo[k] * s->opacity, high = s->hi[k] * s->opacity;
         if (!isfinite(s->value[k])) s->value[k] = 0.5 * (low + high);
         s->err[k] = fmin(s->err[k], fmax(s->value[k] - low, high - s->value[k]) + brightest * 8 * DBL_EPSILON);
     }
@@ -416,22 +407,17 @@ static double march(const course *c, int n, double collected[3])
 }
 
 /* The error is told by half as many steps, and by the closed form of the transmittance. */
-static void add_steps(sum *s, ssfr_radiance *out)
+static ssfr_result add_steps(sum *s, ssfr_radiance *out)
 {
     const int n = s->params->steps, half = n / 2;
     double rough[3];
+    if (n < 1) return ssfr_fail(SSFR_ERR_VALUE, "steps %d: there is at least one", n);
     out->transmittance = march(&s->c, n, s->value);
     const double rough_transmittance = march(&s->c, half, rough);
     const double off = fmax(fabs(out->transmittance - exp(-s->c.depth)), fabs(out->transmittance - rough_transmittance));
     for (int k = 0; k < 3; k++) s->err[k] = fmax(off, fabs(s->value[k] - rough[k])) + n * DBL_EPSILON;
     s->evaluations += (size_t)n + (size_t)half;
-}
-
-static bool one_colour(const course *c)
-{
-    for (size_t i = 1; i < c->n; i++)
-        if (!same_colour(c->flecks[0].colour, c->flecks[i].colour)) return false;
-    return true;
+    return SSFR_OK;
 }
 
 ssfr_result ssfr_radiance_collect(const ssfr_extinction *extinction, ssfr_line *line, ssfr_integration *work,
@@ -445,9 +431,10 @@ ssfr_result ssfr_radiance_collect(const ssfr_extinction *extinction, ssfr_line *
     if (s.c.n == 0) goto end;
     s.opacity = -expm1(-s.c.depth);
     out->transmittance = exp(-s.c.depth);
-    out->closed = id == SSFR_INTEGRATOR_chords && one_colour(&s.c);
-    if (id == SSFR_INTEGRATOR_steps) add_steps(&s, out);
-    else if (out->closed) add_closed(&s, s.c.flecks[0].colour, s.opacity);
+    survey(&s);
+    out->closed = id == SSFR_INTEGRATOR_chords && same_colour(s.lo, s.hi);
+    if (id == SSFR_INTEGRATOR_steps) SSFR_TRY(add_steps(&s, out));
+    else if (out->closed) add_closed(&s, s.lo, s.opacity);
     else SSFR_TRY(add_all(&s, id));
 
     for (int k = 0; k < 3; k++) {
