@@ -8,6 +8,7 @@
 #include "experiments/ledger.h"
 #include "experiments/meta.h"
 #include "experiments/output.h"
+#include "experiments/shown.h"
 
 #include "base/param.h"
 
@@ -53,8 +54,7 @@ static const ssfr_column columns[] = {
     {"claimed_median", "1", 0, "median of the same"},
     {"exceeded", "1", -1, "share of the rays whose error is above what the rule claims and the reference's own"},
     {"reference_err", "1", 0, "the reference's own error, largest: of the density the closed form's difference to "
-                              "GSL's sum of each kernel by itself, of the radiance qagp's to gauss with 64 points a "
-                              "piece"},
+                              "GSL's sum of each kernel by itself, of the radiance qagp's to cquad, both at 1e-14"},
 };
 enum { N_KEYS = 5, N_COLUMNS = SSFR_COUNT(columns), N_NUMBERS = N_COLUMNS - N_KEYS - 1 };
 
@@ -236,28 +236,6 @@ static size_t best_of(const ssfr_csv_table *t, size_t begin, size_t end)
     return best;
 }
 
-static ssfr_result print_row(ssfr_table *out, const ssfr_csv_table *t, size_t row)
-{
-    ssfr_result result = SSFR_OK;
-    const char *status = ssfr_csv_cell(t, row, N_KEYS);
-    for (int k = 1; k < N_KEYS; k++) SSFR_TRY(ssfr_table_add(out, "%s", ssfr_csv_cell(t, row, k)));
-    if (strcmp(status, "ok") != 0) {
-        SSFR_TRY(ssfr_table_add(out, "%s", status));
-        for (int i = 1; i < 8; i++) SSFR_TRY(ssfr_table_add(out, "-"));
-        return SSFR_OK;
-    }
-    SSFR_TRY(ssfr_table_add(out, "%.1e", cell(t, row, "error_max")));
-    SSFR_TRY(ssfr_table_add(out, "%.1e", cell(t, row, "claimed_max")));
-    SSFR_TRY(ssfr_table_add(out, "%.0f %%", 100 * cell(t, row, "exceeded")));
-    SSFR_TRY(ssfr_table_add(out, "%.2f", cell(t, row, "us_median")));
-    SSFR_TRY(ssfr_table_add(out, "%.2f", cell(t, row, "us_mad")));
-    SSFR_TRY(ssfr_table_add(out, "%.0f", cell(t, row, "n_rays")));
-    SSFR_TRY(ssfr_table_add(out, "%.0f", cell(t, row, "evaluations")));
-    SSFR_TRY(ssfr_table_add(out, "%.0f", cell(t, row, "kernels")));
-end:
-    return result;
-}
-
 static bool is_same_rule(const ssfr_csv_table *t, size_t a, size_t b)
 {
     bool same = true;
@@ -265,24 +243,27 @@ static bool is_same_rule(const ssfr_csv_table *t, size_t a, size_t b)
     return same;
 }
 
+/* Rows of one rule follow each other, but for those that a resumed table lacked. */
+static bool is_best(const ssfr_csv_table *t, size_t row)
+{
+    size_t begin = row, end = row + 1;
+    while (begin > 0 && is_same_rule(t, begin - 1, row)) begin--;
+    while (end < t->n_rows && is_same_rule(t, end, row)) end++;
+    return best_of(t, begin, end) == row;
+}
+
 static ssfr_result print_table(const bench *b)
 {
-    static const char *const titles[] = {"integral", "rays", "integrator", "setting", "error", "claimed",
-                                         "exceeded", "us",   "MAD",        "n",       "calls", "kernels"};
-    ssfr_result result = SSFR_OK;
-    const ssfr_csv_table view = ssfr_ledger_view(&b->table);
-    ssfr_table out;
-    ssfr_table_init(&out, SSFR_COUNT(titles));
-    for (size_t i = 0; i < SSFR_COUNT(titles); i++) SSFR_TRY(ssfr_table_add(&out, "%s", titles[i]));
-    for (size_t row = 0, end; row < view.n_rows; row = end) {
-        for (end = row + 1; end < view.n_rows && is_same_rule(&view, row, end);) end++;
-        SSFR_TRY(print_row(&out, &view, best_of(&view, row, end)));
-    }
-    printf("Of each rule the fastest setting that is wrong by %g at most on every ray, else the most exact:\n", aim);
-    ssfr_table_print(&out, stdout);
-end:
-    ssfr_table_finish(&out);
-    return result;
+    static const ssfr_shown best_shown[] = {
+        {"scene", "scene", NULL, 0}, {"integral", "integral", NULL, 0}, {"rays", "rays", NULL, 0},
+        {"integrator", "integrator", NULL, 0}, {"setting", "setting", NULL, 0}, {"error_max", "error", "%.1e", 1},
+        {"claimed_max", "claimed", "%.1e", 1}, {"exceeded", "% exceed it", "%.0f", 100}, {"us_median", "us", "%.2f", 1},
+        {"us_mad", "MAD", "%.2f", 1}, {"n_rays", "n", NULL, 0}, {"evaluations", "calls", "%.0f", 1},
+        {"kernels", "kernels", "%.0f", 1}, {"status", "status", NULL, 0}};
+    char title[128];
+    snprintf(title, sizeof title, "Of each rule the fastest setting that is wrong by %g at most on every ray, else the "
+                                  "most exact:", aim);
+    return ssfr_shown_print(&b->table, title, is_best, best_shown, SSFR_COUNT(best_shown));
 }
 
 /* ---- for programs ------------------------------------------------------------------------------------------------ */

@@ -105,8 +105,9 @@ SSFR_MUST ssfr_result ssfr_study_choose(const ssfr_ray_kind *kind, size_t n, con
 
 /* ---- measuring --------------------------------------------------------------------------------------------------- */
 
-/* The integral of a ray by what is not measured, or differently: of the density the closed form, held against GSL's
- * integral of each kernel by itself; of the radiance qagp, held against gauss, both as exact as they can be. */
+/* The integral of a ray in two ways, whose difference is the reference's own error: of the density the closed form,
+ * held against GSL's integral of each kernel by itself; of the radiance qagp, held against cquad, which has no points
+ * in common with it, both as exact as they can be. */
 SSFR_MUST ssfr_result ssfr_study_refer(ssfr_study_scene *scene, ssfr_study_integral integral, ssfr_study_ray *ray);
 
 typedef struct ssfr_study_row { /* errors are in the integral's unit, times in microseconds */

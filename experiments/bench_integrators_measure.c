@@ -7,7 +7,7 @@
 static const double batch = 2e-5;     /* s, the least that is timed at once: far above what reading the clock takes */
 static const double ray_time = 2e-3;  /* s, timed of each ray, unless MIN_SAMPLES take longer */
 static const double finest = 1e-14;   /* relative tolerance of references */
-enum { MIN_SAMPLES = 5, MAX_SAMPLES = 25, FINEST_POINTS = 64 };
+enum { MIN_SAMPLES = 5, MAX_SAMPLES = 25 };
 
 /* ---- one integral ------------------------------------------------------------------------------------------------ */
 
@@ -72,8 +72,8 @@ static ssfr_result job_init(job *j, ssfr_study_scene *scene, ssfr_study_integral
     const bool counts = id == SSFR_INTEGRATOR_gauss || id == SSFR_INTEGRATOR_steps;
     *j = (job){.scene = scene, .integral = integral, .line = &scene->lines[integral], .id = id};
     j->params = (ssfr_integrate_params){.eps_rel = counts || isnan(setting) ? 0 : setting,
-                                        .points = counts ? (int)fmin(setting, FINEST_POINTS) : 1,
-                                        .steps = counts ? (int)setting : 1};
+                                        .points = id == SSFR_INTEGRATOR_gauss ? (int)setting : 1,
+                                        .steps = id == SSFR_INTEGRATOR_steps ? (int)setting : 1};
     SSFR_TRY(ssfr_line_cast(j->line, &ray->ray, 0, INFINITY));
     j->empty = !ssfr_study_clip(j->line, &j->a, &j->b);
 end:
@@ -137,13 +137,12 @@ end:
 static ssfr_result refer_radiance(job *j, ssfr_study_ray *ray)
 {
     ssfr_result result = SSFR_OK;
-    outcome adaptive, fixed;
-    SSFR_TRY(integrate(j, &adaptive));
-    j->id = SSFR_INTEGRATOR_gauss;
-    j->params.points = FINEST_POINTS;
-    SSFR_TRY(integrate(j, &fixed));
-    memcpy(ray->reference, adaptive.value, sizeof ray->reference);
-    ray->reference_err = difference(adaptive.value, fixed.value);
+    outcome by_qagp, by_cquad;
+    SSFR_TRY(integrate(j, &by_qagp));
+    j->id = SSFR_INTEGRATOR_cquad;
+    SSFR_TRY(integrate(j, &by_cquad));
+    memcpy(ray->reference, by_qagp.value, sizeof ray->reference);
+    ray->reference_err = difference(by_qagp.value, by_cquad.value);
 end:
     return result;
 }

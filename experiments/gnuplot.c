@@ -33,6 +33,7 @@ void ssfr_gnuplot_text(FILE *script, const char *text)
 
 void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
 {
+    static const double most_decades = 8; /* that have a number each, side by side */
     static const double steps[] = {1, 2, 5};
     const bool crowded = hi / lo > 2e3 || (name == 'x' && hi >= 1e5 && hi / lo > 50); /* long numbers side by side */
     const size_t n_steps = crowded ? 1 : SSFR_COUNT(steps);
@@ -44,7 +45,8 @@ void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
             fprintf(script, "set %ctics add (%.9g)\n", name, i * step);
         return;
     }
-    for (double decade = floor(log10(lo)); decade <= ceil(log10(hi)); decade++)
+    const double decades = log10(hi / lo), stride = name == 'x' ? ceil(decades / most_decades) : 1;
+    for (double decade = stride * floor(log10(lo) / stride); decade <= ceil(log10(hi)); decade += stride)
         for (size_t i = 0; i < n_steps; i++) {
             const double tic = steps[i] * pow(10, decade);
             if (tic >= lo && tic <= hi) fprintf(script, "set %ctics add ('%.7g' %.9g)\n", name, tic, tic);
