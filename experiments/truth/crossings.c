@@ -90,19 +90,28 @@ static bool is_done(const walk *w)
     return w->out->n >= w->wanted;
 }
 
-static ssfr_result cross(walk *w, double t, double t_err, bool enters)
+/* Where nothing is known of the normal it is against the ray, or along it. */
+static void guess_normal(ssfr_crossing *item, const ssfr_ray *ray)
+{
+    for (int c = 0; c < 3; c++) item->normal[c] = item->enters ? -ray->dir[c] : ray->dir[c];
+    item->normal_err = M_PI;
+}
+
+/* Behind the crossing is `side`. */
+static ssfr_result cross(walk *w, double t, double t_err, int side)
 {
     ssfr_result result = SSFR_OK;
     ssfr_crossing *item = NULL;
     SSFR_TRY(append(w->out, &item));
-    *item = (ssfr_crossing){.t = t, .t_err = t_err, .enters = enters};
+    *item = (ssfr_crossing){.t = t, .t_err = t_err, .enters = side > 0};
     ssfr_span_normal(w->span, t, t_err, item->normal, &item->normal_err);
+    if (!(ssfr_dot(item->normal, item->normal) > 0)) guess_normal(item, &w->line->ray);
 end:
     return result;
 }
 
-/* From `at` on the side is known: ends the zone, if there is one. A zone between two sides holds a crossing; one with the
- * same side before it and behind is a touch. */
+/* From `at` on the side is known: ends the zone, if there is one. A zone between two sides holds a crossing; one with
+ * the same side before it and behind is a touch. */
 static ssfr_result settle(walk *w, int side, double at)
 {
     ssfr_result result = SSFR_OK;
@@ -114,7 +123,7 @@ static ssfr_result settle(walk *w, int side, double at)
     if (before == 0 || before == side) {
         if (at > begin) touch(w->out, begin, at - begin);
     } else
-        SSFR_TRY(cross(w, begin + 0.5 * (at - begin), 0.5 * (at - begin) + w->line->digits, side > 0));
+        SSFR_TRY(cross(w, begin + 0.5 * (at - begin), 0.5 * (at - begin) + w->line->digits, side));
 end:
     return result;
 }
@@ -134,9 +143,9 @@ static double field_at(double t, void *span)
     return ssfr_span_at(span, t).value;
 }
 
-/* A little to both sides of the root the field certainly has its two signs: how far that is bounds the root's error. The
- * ends a and b have them. */
-static double verify(ssfr_span *span, double a, double b, double root)
+/* How far from the root the field certainly has its two sides, as it has them at the ends a and b: that bounds the
+ * root's error. */
+static double verify(ssfr_span *span, double a, double b, double root, int side)
 {
     const ssfr_span_value at = ssfr_span_at(span, root);
     const double least = 2 * DBL_EPSILON * fabs(root) + DBL_MIN;
@@ -144,20 +153,22 @@ static double verify(ssfr_span *span, double a, double b, double root)
     if (!(off < b - a)) off = b - a;
     for (;; off *= 2) {
         const double before = fmax(root - off, a), behind = fmin(root + off, b);
-        if ((before == a || ssfr_span_side_at(span, before) != 0) && (behind == b || ssfr_span_side_at(span, behind) != 0))
-            return fmax(root - before, behind - root);
+        if (before > a && ssfr_span_side_at(span, before) != -side) continue;
+        if (behind < b && ssfr_span_side_at(span, behind) != side) continue;
+        return fmax(root - before, behind - root);
     }
 }
 
-/* The one root between a and b, where the field's signs are certain, by Brent's method; then as near as doubles come. */
-static ssfr_result find_root(walk *w, double a, double b, bool enters)
+/* The one root between a and b, where the sides are certain, by Brent's method; then as near as doubles come. Behind it
+ * is `side`. */
+static ssfr_result find_root(walk *w, double a, double b, int side)
 {
     enum { LIMIT = 200, POLISH = 2 };
     ssfr_result result = SSFR_OK;
     gsl_root_fsolver *solver = w->out->solver;
     gsl_function f = {.function = field_at, .params = w->span};
     if (gsl_root_fsolver_set(solver, &f, a, b) != GSL_SUCCESS)
-        return cross(w, a + 0.5 * (b - a), 0.5 * (b - a), enters); /* it is in there all the same */
+        return cross(w, a + 0.5 * (b - a), 0.5 * (b - a), side); /* it is in there all the same */
     for (int i = 0; i < LIMIT; i++) {
         if (gsl_root_fsolver_iterate(solver) != GSL_SUCCESS) break;
         const double lo = gsl_root_fsolver_x_lower(solver), hi = gsl_root_fsolver_x_upper(solver);
@@ -169,7 +180,7 @@ static ssfr_result find_root(walk *w, double a, double b, bool enters)
         const double next = root - at.value / at.slope;
         if (next > a && next < b) root = next;
     }
-    SSFR_TRY(cross(w, root, verify(w->span, a, b, root), enters));
+    SSFR_TRY(cross(w, root, verify(w->span, a, b, root, side), side));
 end:
     return result;
 }
@@ -196,7 +207,7 @@ static ssfr_result pass_monotone(walk *w, const ssfr_span_bounds *bounds, double
         SSFR_TRY(settle(w, here, w->at));
     }
     if (w->side == side) return SSFR_OK;
-    SSFR_TRY(find_root(w, w->at, end, side > 0));
+    SSFR_TRY(find_root(w, w->at, end, side));
     w->side = side;
 end:
     return result;
@@ -418,9 +429,8 @@ static ssfr_result begin(walk *w, double to, bool inside, ssfr_crossing *out, bo
     if (*found && crossings->n > 0) {
         *out = crossings->items[crossings->n - 1];
     } else if (*found) { /* it never was on that side: no surface is there to be normal to */
-        const double sign = inside ? 1 : -1;
-        *out = (ssfr_crossing){.t = 0.5 * to, .t_err = 0.5 * to, .enters = !inside, .normal_err = M_PI};
-        for (int c = 0; c < 3; c++) out->normal[c] = sign * w->line->ray.dir[c];
+        *out = (ssfr_crossing){.t = 0.5 * to, .t_err = 0.5 * to, .enters = !inside};
+        guess_normal(out, &w->line->ray);
     }
     crossings->n = 0;
 end:

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* span.c: bounds of the field and its slope by intervals, kernel by kernel.
  *
- * Rounding. Each kernel's place is off by the line's `digits` at most, in any direction, and its q by a few units in the
- * last place. Both change its value by no more than its own slope there tells; sums of n terms add n units. */
+ * Rounding. Each kernel's place is off by the line's `digits` at most, in any direction, and its q by a few units in
+ * the last place. Both change its value by no more than its own slope there tells; sums of n terms add n units. */
 #include "experiments/truth/span.h"
 
 #include <float.h>
 
 struct ssfr_span_kernel {
     double leaves, middle, near2, stretch, weight; /* as the line has them */
-    double steep;                                  /* 1/m: q changes by no more than this with a place, in any direction */
-    double doubt;                                  /* what rounding may have done to q */
-    double across[2];                              /* m, from the kernel's middle to the ray; zhu_bridson */
-    uint32_t index;                                /* of the line's kernels */
+    double steep;     /* 1/m: q changes by no more than this with a place, in any direction */
+    double doubt;     /* what rounding may have done to q */
+    double across[2]; /* m, from the kernel's middle to the ray; zhu_bridson */
+    uint32_t index;   /* of the line's kernels */
 };
 typedef struct ssfr_span_kernel kernel;
 
@@ -40,8 +40,11 @@ static bool is_mean(const ssfr_span *span)
 void ssfr_span_begin(ssfr_span *span, const ssfr_line *line)
 {
     const double *dir = line->ray.dir;
-    const int least = fabs(dir[0]) < fabs(dir[1]) ? (fabs(dir[0]) < fabs(dir[2]) ? 0 : 2) : fabs(dir[1]) < fabs(dir[2]) ? 1 : 2;
-    const double axis[3] = {least == 0, least == 1, least == 2};
+    double axis[3] = {0};
+    int least = 0;
+    for (int c = 1; c < 3; c++)
+        if (fabs(dir[c]) < fabs(dir[least])) least = c;
+    axis[least] = 1;
     span->line = line;
     span->n = span->next = 0;
     ssfr_cross(dir, axis, span->across[0]);
@@ -223,35 +226,52 @@ static ssfr_span_bounds density_bound(const ssfr_span *span, double a, double b)
                               .slope_lo = rise_lo - slack, .slope_hi = rise_hi + slack, .err = err};
 }
 
-/* The gradient's direction: sum weight m A^-2 (x - x_i). */
+/* m, from the kernel's middle to the ray's place. */
+static void offset_of(const ssfr_span *span, const kernel *k, double t, double out[3])
+{
+    const double *aside = span->line->kernels[k->index].aside;
+    for (int c = 0; c < 3; c++) out[c] = aside[c] + (t - k->middle) * span->line->ray.dir[c];
+}
+
+static void multiply(const double m[6], double v[3])
+{
+    const double x = v[0], y = v[1], z = v[2];
+    v[0] = m[0] * x + m[1] * y + m[2] * z;
+    v[1] = m[1] * x + m[3] * y + m[4] * z;
+    v[2] = m[2] * x + m[4] * y + m[5] * z;
+}
+
+/* The angle by which a vector that is `wrong` by so much may be off. */
+static double angle_of(double wrong, double length)
+{
+    return wrong < length ? asin(wrong / length) + 2 * DBL_EPSILON : M_PI;
+}
+
+/* The gradient's direction: sum weight m A^-2 (x - x_i). Along a way of `off` it changes by no more than what the
+ * kernels are curved, which is most in their middles. */
 static void density_normal(const ssfr_span *span, double at, double off, double normal[3], double *err)
 {
     const ssfr_continuum *fluid = span->line->fluid;
+    const double support2 = fluid->support * fluid->support, most = ssfr_radial_steepness(fluid->radial, 0);
     double total = 0, curved = 0, sum[3] = {0};
     for (size_t i = 0; i < span->n; i++) {
         const kernel *k = span->kernels + i;
-        const ssfr_line_kernel *of_line = span->line->kernels + k->index;
-        const double t = at - k->middle, q2 = q2_at(k, t), per_support2 = 1 / (fluid->support * fluid->support);
-        double e[3], term[3];
-        if (!(sqrt(q2) - k->steep * off < 1)) continue;
-        for (int c = 0; c < 3; c++) e[c] = of_line->aside[c] + t * span->line->ray.dir[c];
-        memcpy(term, e, sizeof e);
-        for (int twice = 0; fluid->inverse && twice < 2; twice++) {
-            const double *m = fluid->inverse[of_line->index], x = term[0], y = term[1], z = term[2];
-            term[0] = m[0] * x + m[1] * y + m[2] * z;
-            term[1] = m[1] * x + m[3] * y + m[4] * z;
-            term[2] = m[2] * x + m[4] * y + m[5] * z;
+        const double q = sqrt(q2_at(k, at - k->middle)), steep2 = k->steep * k->steep;
+        double e[3];
+        if (!(q - k->steep * off < 1)) continue;
+        offset_of(span, k, at, e);
+        const double share = k->weight * ssfr_radial_steepness(fluid->radial, q), length = sqrt(ssfr_dot(e, e));
+        if (fluid->inverse) {
+            const double *m = fluid->inverse[span->line->kernels[k->index].index];
+            multiply(m, e), multiply(m, e);
         }
-        const double share = k->weight * per_support2 * ssfr_radial_steepness(fluid->radial, sqrt(q2));
-        for (int c = 0; c < 3; c++) sum[c] += share * term[c];
-        curved += k->weight * k->steep * k->steep;
-        total += share * (k->steep * k->steep / per_support2) * (fabs(e[0]) + fabs(e[1]) + fabs(e[2]));
+        for (int c = 0; c < 3; c++) sum[c] += share / support2 * e[c];
+        curved += k->weight * steep2 * most;
+        total += share * steep2 * length;
     }
-    const double moved = curved * ssfr_radial_steepness(fluid->radial, 0) * off;
-    const double length = ssfr_normalize(sum);
-    const double wrong = moved + total * (2 * term_error + (double)span->n * sum_error);
+    const double wrong = curved * off + total * (4 * term_error + (double)span->n * sum_error);
+    *err = angle_of(wrong, ssfr_normalize(sum));
     memcpy(normal, sum, sizeof sum);
-    *err = wrong < length ? asin(wrong / length) + 2 * DBL_EPSILON : M_PI;
 }
 
 /* ---- zhu_bridson: f = r^2 K^2 - |S|^2 ---------------------------------------------------------------------------- */
@@ -400,45 +420,50 @@ static ssfr_span_value mean_at(const ssfr_span *span, double t)
     return (ssfr_span_value){0.5 * (bounds.lo + bounds.hi), 0.5 * (bounds.slope_lo + bounds.slope_hi), bounds.err};
 }
 
-/* On the surface grad f = 2 (r^2 K grad K - K S - sum (S . (x - x_i)) grad k_i) points inwards, as that of |x - xm| - r
- * points outwards. The error takes bounds on all its derivatives together. */
+/* From the mean to the ray's place, m; gives K. */
+static double mean_offset(const ssfr_span *span, double at, double out[3])
+{
+    double weight = 0, e[3];
+    memset(out, 0, sizeof e);
+    for (size_t i = 0; i < span->n; i++) {
+        const kernel *k = span->kernels + i;
+        const double y = greater(1 - q2_at(k, at - k->middle), 0);
+        offset_of(span, k, at, e);
+        weight += y * y * y;
+        for (int c = 0; c < 3; c++) out[c] += y * y * y * e[c];
+    }
+    for (int c = 0; c < 3 && weight > 0; c++) out[c] /= weight;
+    return weight;
+}
+
+/* Out of the fluid points what grad |x - xm| is on the surface,
+ *
+ *      -grad f / (2 K) = K s - sum (r^2 - s . (x - x_i)) grad k_i,   s = x - xm.
+ *
+ * Its error takes bounds on the derivatives of K and S: the sums of |k|, |grad k| and |grad grad k| close by. */
 static void mean_normal(const ssfr_span *span, double at, double off, double normal[3], double *err)
 {
     const ssfr_continuum *fluid = span->line->fluid;
-    const double r2 = fluid->radius * fluid->radius, h2 = fluid->support * fluid->support;
-    double weight = 0, most = 0, s[3] = {0}, rise[3] = {0}, sum[3];
-    double steep = 0, curved = 0; /* sums of |grad k| and |grad grad k| */
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t i = 0; i < span->n; i++) {
-            const kernel *k = span->kernels + i;
-            const ssfr_line_kernel *of_line = span->line->kernels + k->index;
-            const double t = at - k->middle, reach = 2 * k->steep * off + 4 * k->doubt;
-            const double y = greater(1 - q2_at(k, t), 0), y_most = greater(1 - q2_at(k, t) + reach, 0);
-            double e[3];
-            for (int c = 0; c < 3; c++) e[c] = of_line->aside[c] + t * span->line->ray.dir[c];
-            const double m = -6 * y * y / h2;
-            const double factor = pass == 0 ? 0 : m * (r2 - ssfr_dot(s, e));
-            for (int c = 0; c < 3; c++)
-                if (pass == 0) s[c] += y * y * y * e[c];
-                else rise[c] += factor * e[c];
-            if (pass > 0) continue;
-            weight += y * y * y;
-            most += y_most * y_most * y_most;
-            steep += 6 * y_most * y_most / fluid->support;
-            curved += (6 * y_most + 24) * y_most / h2;
-        }
-        /* r^2 K grad K = r^2 K sum m e_i: the second pass sums K (r^2 - xm . e_i) m e_i. */
-        if (pass == 0)
-            for (int c = 0; c < 3 && weight > 0; c++) s[c] /= weight;
+    const double h = fluid->support, r2 = fluid->radius * fluid->radius;
+    double s[3], e[3], sum[3], most = 0, steep = 0, curved = 0;
+    const double weight = mean_offset(span, at, s), r = sqrt(ssfr_dot(s, s));
+    for (int c = 0; c < 3; c++) sum[c] = weight * s[c];
+    for (size_t i = 0; i < span->n; i++) {
+        const kernel *k = span->kernels + i;
+        const double left = 1 - q2_at(k, at - k->middle), y = greater(left, 0);
+        const double close = greater(left + 2 * k->steep * off + 4 * k->doubt, 0);
+        offset_of(span, k, at, e);
+        const double share = 6 * y * y / (h * h) * (r2 - ssfr_dot(s, e));
+        for (int c = 0; c < 3; c++) sum[c] += share * e[c];
+        most += close * close * close;
+        steep += 6 * close * close / h;
+        curved += (6 * close + 24) * close / (h * h);
     }
-    for (int c = 0; c < 3; c++) sum[c] = weight * s[c] - rise[c];
-    const double length = ssfr_normalize(sum), h = fluid->support, r = sqrt(ssfr_dot(s, s));
-    const double bent = r2 * (steep * steep + most * curved) + (most + h * steep) * (most + h * steep) +
+    const double bent = r2 * (steep * steep + most * curved) + ssfr_square(most + h * steep) +
                         most * r * (2 * steep + h * curved);
     const double rounded = (r2 * steep + most * r + h * r * steep) * (4 * term_error + 2 * (double)span->n * sum_error);
-    const double wrong = weight > 0 ? (bent / weight) * off + rounded : INFINITY;
+    *err = weight > 0 ? angle_of(bent / weight * off + rounded, ssfr_normalize(sum)) : M_PI;
     memcpy(normal, sum, sizeof sum);
-    *err = wrong < length ? asin(wrong / length) + 2 * DBL_EPSILON : M_PI;
 }
 
 /* ---- either ------------------------------------------------------------------------------------------------------ */

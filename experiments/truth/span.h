@@ -9,9 +9,9 @@
  *                              |x - xm| <= r without the division; outside where K = 0
  *
  * Along a ray a kernel rises to its middle and falls from there, so between two places its least value is at the
- * farther end, its greatest at the middle or the nearer end. Its slope is -weight stretch (t - middle) m(q), and m falls
- * with q: a product of two intervals. Sums of such bounds bound the field and its slope, and the slope's bound bounds
- * the field once more, around its value in the middle. */
+ * farther end, its greatest at the middle or the nearer end. Its slope is -weight stretch (t - middle) m(q), and m
+ * falls with q: a product of two intervals. Sums of such bounds bound the field and its slope, and the slope's bound
+ * bounds the field once more, around its value in the middle. */
 #ifndef SSFR_TRUTH_SPAN_H
 #define SSFR_TRUTH_SPAN_H
 
