@@ -86,40 +86,49 @@ static void note_hidden(ssfr_line *line, double middle, double near2)
     if (near2 < 1 + 4 * off) line->hidden += 2 * support * sqrt(4 * off);
 }
 
+/* What of the ray lies in the kernel, and whether that is a part of the line. */
+static bool meet(const ssfr_line *line, ssfr_line_kernel *k)
+{
+    const double half = sqrt((1 - k->near2) / k->stretch);
+    k->enters = k->middle - half;
+    k->leaves = k->middle + half;
+    return k->leaves > line->from && k->enters < line->to;
+}
+
 static bool gather(void *user, uint32_t begin, uint32_t end)
 {
     gathering *g = user;
     ssfr_line *line = g->line;
     const ssfr_continuum *fluid = line->fluid;
-    const double *origin = line->ray.origin, *dir = line->ray.dir;
+    const ssfr_ray ray = line->ray;
     const double support = fluid->support, per_support2 = 1 / (support * support);
+    double farthest = g->farthest, longest = line->longest;
     g->result = reserve(line, end - begin);
     if (g->result != SSFR_OK) return false;
+    ssfr_line_kernel *next = line->kernels + line->n;
     for (uint32_t i = begin; i < end; i++) {
-        ssfr_line_kernel *k = line->kernels + line->n;
         const double *centre = fluid->centre[i];
-        const double to[3] = {origin[0] - centre[0], origin[1] - centre[1], origin[2] - centre[2]};
-        const double middle = -ssfr_dot(to, dir), far = fabs(middle);
-        for (int c = 0; c < 3; c++) k->aside[c] = to[c] + middle * dir[c];
-        k->middle = middle;
-        k->near2 = ssfr_dot(k->aside, k->aside) * per_support2;
-        k->stretch = per_support2;
-        k->weight = fluid->weights ? fluid->weights[i] : fluid->weight;
-        k->index = i;
-        if (fluid->inverse) measure_stretched(fluid->inverse[i], support, dir, k);
-        g->farthest = far > g->farthest ? far : g->farthest;
-        if (!(k->near2 < 1)) {
-            if (!fluid->radial) note_hidden(line, middle, k->near2);
+        const double to[3] = {ray.origin[0] - centre[0], ray.origin[1] - centre[1], ray.origin[2] - centre[2]};
+        const double middle = -ssfr_dot(to, ray.dir), far = fabs(middle);
+        ssfr_line_kernel k = {.middle = middle, .stretch = per_support2, .weight = fluid->weight, .index = i};
+        for (int c = 0; c < 3; c++) k.aside[c] = to[c] + middle * ray.dir[c];
+        k.near2 = ssfr_dot(k.aside, k.aside) * per_support2;
+        farthest = far > farthest ? far : farthest;
+        if (fluid->inverse) {
+            k.weight = fluid->weights[i];
+            measure_stretched(fluid->inverse[i], support, ray.dir, &k);
+        }
+        if (!(k.near2 < 1)) {
+            if (!fluid->radial) note_hidden(line, middle, k.near2);
             continue;
         }
-        const double half = sqrt((1 - k->near2) / k->stretch);
-        k->enters = k->middle - half;
-        k->leaves = k->middle + half;
-        if (!(k->leaves > line->from && k->enters < line->to)) continue;
-        const double length = k->leaves - k->enters;
-        line->longest = length > line->longest ? length : line->longest;
-        line->n++;
+        if (!meet(line, &k)) continue;
+        longest = k.leaves - k.enters > longest ? k.leaves - k.enters : longest;
+        *next++ = k;
     }
+    line->n = (size_t)(next - line->kernels);
+    line->longest = longest;
+    g->farthest = farthest;
     return true;
 }
 
