@@ -38,7 +38,9 @@ typedef struct ssfr_integrate_params {
 typedef struct ssfr_integral {
     double value;
     double err;           /* the rule's own estimate of its absolute error (GSL's abserr; gauss: the difference to half
-                           * the points; steps: to half as many), plus what rounding may do; at least 0 */
+                           * the points; steps: to half as many), plus what rounding may do; at least 0. No bound where
+                           * none of the rule's points meets what there is; where the places t have no more digits only
+                           * gauss and steps know it */
     size_t evaluations;
     bool converged;       /* err is within what was asked; always false for none asked */
 } ssfr_integral;
