@@ -79,11 +79,24 @@ static void put_matrix(const drawing *d, FILE *script)
     fputs("EOD\n", script);
 }
 
+/* A small image is enlarged by a whole number. */
+static int scale_of(const drawing *d)
+{
+    return d->a->w < LEAST_WIDTH ? (LEAST_WIDTH + d->a->w - 1) / d->a->w : 1;
+}
+
+static void find_size(const drawing *d, int *width, int *height)
+{
+    *width = scale_of(d) * d->a->w + MARGIN + BAR;
+    *height = scale_of(d) * d->a->h + MARGIN + TOP;
+}
+
 /* Screen coordinates, so that a pixel of the image is a whole number of pixels of the picture. */
 static void put_frame(const drawing *d, FILE *script, const char *output)
 {
-    const int w = d->a->w, h = d->a->h, scale = w < LEAST_WIDTH ? (LEAST_WIDTH + w - 1) / w : 1;
-    const int width = scale * w + MARGIN + BAR, height = scale * h + MARGIN + TOP;
+    const int w = d->a->w, h = d->a->h, scale = scale_of(d);
+    int width, height;
+    find_size(d, &width, &height);
     fprintf(script, "set terminal pngcairo size %d,%d noenhanced font 'sans-serif,11' background 'white'\nset output ",
             width, height);
     ssfr_gnuplot_text(script, output);
@@ -97,20 +110,28 @@ static void put_frame(const drawing *d, FILE *script, const char *output)
             (double)(scale * h) / height);
 }
 
-static void put_title(const drawing *d, FILE *script)
+/* A line of text above the image. */
+static void put_line(const drawing *d, FILE *script, const char *text, int from_top)
+{
+    int width, height;
+    find_size(d, &width, &height);
+    fputs("set label ", script);
+    ssfr_gnuplot_text(script, text);
+    fprintf(script, " at screen %.9f,%.9f left\n", (double)MARGIN / width, 1 - (double)from_top / height);
+}
+
+static void put_texts(const drawing *d, FILE *script)
 {
     const double n = fmax(1, (double)(d->n_both + d->n_only_a + d->n_only_b));
     char text[256];
     snprintf(text, sizeof text,
              "grey: no surface;  orange: only in A (%.2f %%);  green: only in B (%.2f %%);  beyond the bar: %.2f %%",
              100 * (double)d->n_only_a / n, 100 * (double)d->n_only_b / n, 100 * (double)d->n_beyond / n);
-    fputs("set title ", script);
-    ssfr_gnuplot_text(script, d->picture->title);
-    fputs(" . \"\\n\" . ", script);
-    ssfr_gnuplot_text(script, text);
-    fputs("\nset cblabel ", script);
-    ssfr_gnuplot_text(script, d->picture->radius > 0 ? "nearer (+) or farther (-) than B, particle radii"
-                                                     : "nearer (+) or farther (-) than B, m");
+    put_line(d, script, d->picture->title, TOP / 3);
+    put_line(d, script, text, TOP * 2 / 3);
+    fputs("set cblabel ", script);
+    ssfr_gnuplot_text(script, d->picture->radius > 0 ? "A nearer (+) or farther (-) than B, particle radii"
+                                                     : "A nearer (+) or farther (-) than B, m");
     fputc('\n', script);
 }
 
@@ -118,7 +139,7 @@ static ssfr_result put_script(void *user, FILE *script, const char *output)
 {
     const drawing *d = user;
     put_frame(d, script, output);
-    put_title(d, script);
+    put_texts(d, script);
     put_matrix(d, script);
     fprintf(script, "set cbrange [%.9g:%.9g]\n", -d->range, d->range);
     /* Even steps of lightness to both sides of white, told apart by the colour-blind. */

@@ -70,11 +70,16 @@ static double axis_value(const plot *p, const axis *a, size_t row)
     return isfinite(value) && (value > 0 || !a->log) ? a->sign * value : NAN;
 }
 
+/* Several cells of one column: any of them. */
 static bool is_chosen(const plot *p, size_t row)
 {
     bool chosen = true;
-    for (int i = 0; i < p->spec->n_only; i++)
-        chosen &= strcmp(ssfr_csv_cell(p->table, row, p->only[i]), p->spec->only[i].cell) == 0;
+    for (int i = 0; i < p->spec->n_only && chosen; i++) {
+        chosen = false;
+        for (int k = 0; k < p->spec->n_only; k++)
+            chosen |= p->only[k] == p->only[i] &&
+                      strcmp(ssfr_csv_cell(p->table, row, p->only[k]), p->spec->only[k].cell) == 0;
+    }
     return chosen;
 }
 

@@ -124,6 +124,34 @@ end:
     return result;
 }
 
+static int by_value(const void *p, const void *q)
+{
+    const double a = *(const double *)p, b = *(const double *)q;
+    return (a > b) - (a < b);
+}
+
+/* Of the differences in depth inside, m; NaN where there is no such pixel. */
+static ssfr_result find_median(const ssfr_shot *shot, const ssfr_shot *other, double *out)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_field *a = shot->parts[SSFR_SHOT_DEPTH], *b = other->parts[SSFR_SHOT_DEPTH];
+    ssfr_field *interior = NULL;
+    double *differences = NULL;
+    size_t n = 0;
+    *out = NAN;
+    SSFR_TRY(find_interior(shot, other, &interior));
+    if (!interior) goto end;
+    SSFR_TRY(ssfr_alloc(&differences, (size_t)a->w * (size_t)a->h, sizeof *differences, "differences in depth"));
+    for (size_t i = 0; i < (size_t)a->w * (size_t)a->h; i++)
+        if (interior->data[i] != 0) differences[n++] = a->data[i] - b->data[i];
+    qsort(differences, n, sizeof *differences, by_value);
+    if (n > 0) *out = ssfr_mix(differences[(n - 1) / 2], differences[n / 2], 0.5);
+end:
+    free(differences);
+    ssfr_field_destroy(&interior);
+    return result;
+}
+
 /* Where either is fluid; NaN where neither is. */
 static void compare_thickness(const ssfr_field *a, const ssfr_field *b, double values[SSFR_N_COLUMNS])
 {
@@ -171,9 +199,12 @@ ssfr_result ssfr_shot_compare_reference(const ssfr_shot *shot, const ssfr_shot *
 {
     ssfr_result result = SSFR_OK;
     const ssfr_field *a = shot->parts[SSFR_SHOT_THICKNESS], *b = reference->parts[SSFR_SHOT_THICKNESS];
+    double median;
     SSFR_TRY(run_measures(shot, reference, SSFR_COUNT(reference_measures), reference_measures, values));
     if (a && b) compare_thickness(a, b, values);
+    SSFR_TRY(find_median(shot, reference, &median));
     if (radius > 0) {
+        values[SSFR_COLUMN_ref_depth_median_interior_radii] = median / radius;
         values[SSFR_COLUMN_ref_depth_rms_interior_radii] = values[SSFR_COLUMN_ref_depth_rms_interior] / radius;
         values[SSFR_COLUMN_ref_depth_mean_interior_radii] = values[SSFR_COLUMN_ref_depth_mean_interior] / radius;
     }

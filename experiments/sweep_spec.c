@@ -465,18 +465,29 @@ end:
     return result;
 }
 
+static ssfr_result add_only(ssfr_plot_spec *plot, const ssfr_yaml_node *column, const ssfr_yaml_node *cell)
+{
+    ssfr_result result = SSFR_OK;
+    if (plot->n_only == SSFR_MAX_ONLY)
+        return ssfr_yaml_fail(cell, SSFR_ERR_FORMAT, "only: more than %d cells", SSFR_MAX_ONLY);
+    plot->n_only++; /* counted even when it is refused, so that it is freed */
+    SSFR_TRY(ssfr_yaml_read_text(column, NULL, &plot->only[plot->n_only - 1].column));
+    SSFR_TRY(ssfr_yaml_read_text(cell, NULL, &plot->only[plot->n_only - 1].cell));
+end:
+    return result;
+}
+
+/* A cell a column, or a list of them. */
 static ssfr_result read_only(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_plot_spec *plot = to;
+    (void)row;
     SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
     for (size_t i = 0; i < node->n; i++) {
-        if (plot->n_only == SSFR_MAX_ONLY)
-            return ssfr_yaml_fail(node->keys[i], SSFR_ERR_FORMAT, "%s: more than %d columns", node->name,
-                                  SSFR_MAX_ONLY);
-        plot->n_only++; /* counted even when it is refused, so that it is freed */
-        SSFR_TRY(ssfr_yaml_read_text(node->keys[i], row, &plot->only[i].column));
-        SSFR_TRY(ssfr_yaml_read_text(node->values[i], row, &plot->only[i].cell));
+        const ssfr_yaml_node *value = node->values[i];
+        const bool list = value->kind == SSFR_YAML_LIST;
+        for (size_t k = 0; k < (list ? value->n : 1); k++)
+            SSFR_TRY(add_only(to, node->keys[i], list ? value->values[k] : value));
     }
 end:
     return result;

@@ -28,7 +28,7 @@ enum {
     SSFR_MAX_SETTINGS = 256,
     SSFR_MAX_LINES = 4,  /* columns that together name a line of a figure */
     SSFR_MAX_PANELS = 8, /* of the curves */
-    SSFR_MAX_ONLY = 4,   /* columns that choose the rows of a figure */
+    SSFR_MAX_ONLY = 12,  /* cells that choose the rows of a figure */
 };
 
 /* One dimension of the table. A key is a parameter's, or "scene", "size" or "backend". */
@@ -57,7 +57,7 @@ typedef struct ssfr_plot_spec { /* columns by name; x NULL: no plot */
     char *lines[SSFR_MAX_LINES];
     struct {
         char *column, *cell;
-    } only[SSFR_MAX_ONLY]; /* rows with these cells alone; none: all */
+    } only[SSFR_MAX_ONLY]; /* rows with these cells alone; several of one column: any of them; none: all */
 } ssfr_plot_spec;
 
 /* What the errors are measured against. */

@@ -287,7 +287,7 @@ static const char whole[] = "# a comment\n"
                             "  flow.iterations: 60\n"
                             "plot: {title: Work, x: ref_psnr, y: ms_median, lines: [flow.step, backend]}\n"
                             "curves:\n"
-                            "  - {x: flow.iterations, y: ref_psnr, lines: [flow.step], only: {backend: cpu}}\n"
+                            "  - {x: flow.iterations, y: ref_psnr, lines: [flow.step], only: {backend: [cpu, gl]}}\n"
                             "  - {title: Time, x: flow.iterations, y: ms_median}\n";
 
 static ssfr_result load_text(ssfr_sweep_spec **spec, const char *text, size_t size)
@@ -319,6 +319,8 @@ static void assert_whole(const ssfr_sweep_spec *spec)
     assert_int_equal(spec->n_curves, 2);
     assert_string_equal(spec->curves[0].only[0].column, "backend");
     assert_string_equal(spec->curves[0].only[0].cell, "cpu");
+    assert_string_equal(spec->curves[0].only[1].column, "backend");
+    assert_string_equal(spec->curves[0].only[1].cell, "gl");
     assert_null(spec->curves[0].title);
     assert_string_equal(spec->curves[1].y, "ms_median");
     assert_int_equal(spec->curves[1].n_lines, 0);
@@ -407,9 +409,10 @@ static void malformed_sweeps_are_refused_with_their_place(void **state)
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, lines: c}\n", "spec.yaml:1:27: lines: expected a list of columns"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, lines: [a, b, c, d, e]}\n", "spec.yaml:1:40: lines: more than 4 columns"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: c}\n", "spec.yaml:1:26: only: expected a map"},
-        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {c: [d]}}\n", "spec.yaml:1:30: c: expected one value"},
-        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {a: a, b: b, c: c, d: d, e: e}}\n",
-         "spec.yaml:1:51: only: more than 4 columns"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {c: {d: e}}}\n", "spec.yaml:1:30: c: expected one value"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {c: [d, [e]]}}\n", "spec.yaml:1:34: c: expected one value"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {a: a, b: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], c: c}}\n",
+         "spec.yaml:1:76: only: more than 12 cells"},
         {SSFR_ERR_FORMAT, "curves: a\n", "spec.yaml:1:9: curves: expected a map"},
         {SSFR_ERR_FORMAT, "curves: [{x: a, y: b}, {x: a}]\n", "spec.yaml:1:24: curves: x and y must be given"},
         {SSFR_ERR_FORMAT, "curves: [{x: a, y: b, z: c}]\n", "spec.yaml:1:23: curves: no key z"},

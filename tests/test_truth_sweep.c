@@ -155,12 +155,31 @@ static void exact_splats_have_no_error_against_spheres(void **state)
     assert_close(v[SSFR_COLUMN_ref_depth_rms], 0, rounding, 0);
     assert_close(v[SSFR_COLUMN_method_depth_rms], 0, rounding, 0);
     assert_close(v[SSFR_COLUMN_ref_depth_mean_interior], 0, rounding, 0);
+    assert_close(v[SSFR_COLUMN_ref_depth_median_interior_radii], 0, rounding, 0);
     assert_close(v[SSFR_COLUMN_ref_iou], 1, 0, 0);
     assert_true(v[SSFR_COLUMN_ref_thickness_ratio] > 1); /* balls overlap: the sum of chords counts that twice */
     assert_true(v[SSFR_COLUMN_truth_depth_err_max] >= v[SSFR_COLUMN_truth_depth_err_mean]);
     assert_true(v[SSFR_COLUMN_truth_depth_err_mean] < rounding);
     assert_true(v[SSFR_COLUMN_truth_thickness_err_mean] < rounding);
     assert_true(v[SSFR_COLUMN_truth_normal_err_mean_deg] < 1e-3);
+    end(&f);
+}
+
+/* What a wall or the floor hides is not seen by rays either. */
+static void solids_hide_from_rays_what_they_hide_from_splats(void **state)
+{
+    (void)state;
+    static const char *const axes[] = {"scene=splash", "size=64x36", "backend=cpu", "truth.solids=1,0", NULL};
+    static const char *const settings[] = {"truth.kind=spheres", "sphere_depth.splat=exact", "downsample.factor=1",
+                                           "curvature_flow.iterations=0", NULL};
+    double hidden[SSFR_N_COLUMNS], seen[SSFR_N_COLUMNS];
+    fixture f;
+    begin(&f, axes, settings);
+    run(&f, 0, hidden);
+    run(&f, 1, seen);
+    assert_close(hidden[SSFR_COLUMN_ref_iou], 1, 0, 0);
+    assert_close(hidden[SSFR_COLUMN_ref_depth_rms], 0, rounding, 0);
+    assert_true(seen[SSFR_COLUMN_ref_thickness_ratio] < hidden[SSFR_COLUMN_ref_thickness_ratio]);
     end(&f);
 }
 
@@ -267,6 +286,7 @@ static void what_is_set_of_the_water_is_set_in_truth_too(void **state)
     assert_close(truth->world.medium.ior, 1.2385, 0, 0);
     assert_close(truth->fluid.level, 0.42, 0, 0);
     assert_int_equal(truth->cast.parts, SSFR_TRUTH_SURFACE | SSFR_TRUTH_THICKNESS);
+    assert_true(truth->cast.solids);
     end(&f);
 }
 
@@ -311,6 +331,7 @@ int main(void)
         cmocka_unit_test(exact_splats_of_a_fluid_are_the_union_of_its_spheres),
         cmocka_unit_test(nothing_is_seen_of_no_fluid),
         cmocka_unit_test(exact_splats_have_no_error_against_spheres),
+        cmocka_unit_test(solids_hide_from_rays_what_they_hide_from_splats),
         cmocka_unit_test(errors_stand_in_metres_and_in_radii_and_for_the_twin),
         cmocka_unit_test(the_parts_of_truth_say_which_errors_there_are),
         cmocka_unit_test(what_is_kept_of_truth_changes_no_number),
