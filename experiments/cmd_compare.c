@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* cmd_compare.c: `ssfr compare`: every metric that fits two images, and whether they are good enough. */
+#include "experiments/capture.h"
 #include "experiments/channels.h"
 #include "experiments/command.h"
 #include "experiments/csv.h"
+#include "experiments/difference_picture.h"
 #include "experiments/options.h"
 #include "experiments/output.h"
 
@@ -10,7 +12,8 @@
 
 typedef struct compare_options {
     ssfr_list channels, requirements;
-    const char *mask, *diff;
+    const char *mask, *diff, *picture;
+    double range;
 } compare_options;
 
 #define ROW(...) SSFR_OPTION(compare_options, __VA_ARGS__)
@@ -22,6 +25,11 @@ static const ssfr_option rows[] = {
     ROW(mask, "mask", 0, TEXT, "FILE.exr[:NAME]",
         "count only pixels where this image, or its first channel, is not 0", 0, 0),
     ROW(diff, "diff", 0, TEXT, "FILE.exr", "write A - B", 0, 0),
+    ROW(picture, "picture", 0, TEXT, "FILE.png",
+        "draw where the depth of A is nearer or farther than that of B, in particle radii where a file tells them", 0,
+        0),
+    ROW(range, "range", 0, NUMBER, "X",
+        "of the picture's colour bar to both sides (default: 95 % of the pixels lie in it)", 1e-9, 1e9),
     ROW(requirements, "require", 0, LIST, "METRIC>=X",
         "exit with 1 unless this holds: >=, <=, >, < or ==; can be repeated", 0, 0),
     SSFR_OPTION_END,
@@ -201,6 +209,39 @@ end:
     return result;
 }
 
+/* m; 0 where neither file says how large the particles are. */
+static double radius_of(const char *const paths[2])
+{
+    char error[SSFR_CAPTURE_SIZE];
+    double radius = 0;
+    ssfr_capture_begin("compare");
+    for (int i = 0; i < 2 && radius == 0; i++)
+        if (ssfr_output_kind_of(paths[i]) != SSFR_OUTPUT_EXR || ssfr_exr_number(paths[i], "scene.radius", &radius))
+            radius = 0;
+    ssfr_capture_end(error);
+    return radius;
+}
+
+static ssfr_result check_picture(const char *path)
+{
+    if (ssfr_output_kind_of(path) != SSFR_OUTPUT_PNG)
+        return ssfr_fail(SSFR_ERR_VALUE, "--picture %s: expected a name that ends in .png", path);
+    return ssfr_output_check_file(path);
+}
+
+static ssfr_result draw_difference(const char *const paths[2], const compare_options *options, const group *groups,
+                                   int n)
+{
+    char title[512];
+    const ssfr_difference_picture picture = {
+        .title = title, .radius = radius_of(paths), .range = options->range};
+    snprintf(title, sizeof title, "depth: A = %.200s, B = %.200s", paths[0], paths[1]);
+    for (int i = 0; i < n; i++)
+        if (groups[i].kind == SSFR_METRIC_DEPTH)
+            return ssfr_difference_picture_save(options->picture, groups[i].a, groups[i].b, &picture);
+    return ssfr_fail(SSFR_ERR_VALUE, "--picture %s: draws depth, and Z is not compared", options->picture);
+}
+
 /* A - B, in A's place. */
 static ssfr_result save_difference(const char *path, group *groups, int n)
 {
@@ -235,6 +276,7 @@ static ssfr_result compare(const char *const paths[2], const compare_options *op
     SSFR_TRY(ssfr_csv_create(&csv, NULL, SSFR_COUNT(columns), columns, 1, false));
     for (int i = 0; i < n; i++) SSFR_TRY(measure(csv, &groups[i], mask, requirements, options->requirements.n));
     SSFR_TRY(check_measured(requirements, options->requirements.n));
+    if (options->picture) SSFR_TRY(draw_difference(paths, options, groups, n));
     if (options->diff) SSFR_TRY(save_difference(options->diff, groups, n));
 end:
     for (int i = 0; i < n; i++) ssfr_field_destroy(&groups[i].a), ssfr_field_destroy(&groups[i].b);
@@ -261,6 +303,7 @@ int ssfr_cmd_compare(int argc, char **argv)
     for (int i = 0; i < options.requirements.n; i++)
         SSFR_TRY(parse_requirement(options.requirements.items[i], &requirements[i]));
     if (options.diff) SSFR_TRY(ssfr_output_check_image(options.diff, false));
+    if (options.picture) SSFR_TRY(check_picture(options.picture));
     SSFR_TRY(compare(line.arguments.items, &options, requirements));
     for (int i = 0; i < options.requirements.n; i++) all_met &= requirements[i].met;
 end:
