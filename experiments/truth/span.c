@@ -109,6 +109,7 @@ ssfr_result ssfr_span_move(ssfr_span *span, double a, double b)
     /* Where kernels begin and end is known no better. */
     const double margin = 2 * line->digits;
     size_t kept = 0;
+    span->known[0] = span->known[1] = NAN;
     for (size_t i = 0; i < span->n; i++)
         if (span->kernels[i].leaves > a - margin) span->kernels[kept++] = span->kernels[i];
     span->n = kept;
@@ -297,19 +298,26 @@ typedef struct mean_sums {
     double slopes;                   /* 1/m, all terms of the slope of K together */
 } mean_sums;
 
+/* m, by which rounding may have moved a place in a kernel. */
+static double blur_of(const ssfr_span *span)
+{
+    return span->line->digits + term_error * span->line->fluid->support;
+}
+
 static inline void extend(range *sum, double factor, range term)
 {
     sum->lo += factor * (factor < 0 ? term.hi : term.lo);
     sum->hi += factor * (factor < 0 ? term.lo : term.hi);
 }
 
-static void mean_add(mean_sums *s, const kernel *k, double a, double b, double digits)
+static void mean_add(mean_sums *s, const kernel *k, double a, double b, double blur)
 {
     const along t = along_of(k, a, b);
-    const weighing w = weigh(k, &t);
-    const range turn = product(&t, w.m.lo, w.m.hi), slope = {-k->stretch * turn.hi, -k->stretch * turn.lo};
     /* What rounding may have hidden of a kernel that just begins. */
     const double off = 2 * k->doubt + DBL_EPSILON, y = greater(1 - q2_at(k, t.near) + off, 0);
+    if (!(y > 0)) return; /* it begins elsewhere */
+    const weighing w = weigh(k, &t);
+    const range turn = product(&t, w.m.lo, w.m.hi), slope = {-k->stretch * turn.hi, -k->stretch * turn.lo};
     extend(&s->part[0], 1, w.k);
     s->part[1].lo += t.lo * (t.lo < 0 ? w.k.hi : w.k.lo);
     s->part[1].hi += t.hi < 0 ? t.hi * w.k.lo : t.hi * w.k.hi;
@@ -321,7 +329,7 @@ static void mean_add(mean_sums *s, const kernel *k, double a, double b, double d
     extend(&s->slope[2], k->across[0], slope);
     extend(&s->slope[3], k->across[1], slope);
     s->k_doubt += 3 * y * y * off;
-    s->slope_doubt += k->stretch * (6 * y + 24) * y * (digits + term_error / sqrt(k->stretch));
+    s->slope_doubt += k->stretch * (6 * y + 24) * y * blur;
     s->slopes += k->stretch * t.far * w.m.hi;
 }
 
@@ -381,14 +389,46 @@ static void mean_direction(const ssfr_span *span, double at, double out[3])
     memcpy(out, ssfr_dot(weighed, weighed) > 0 ? weighed : plain, sizeof weighed);
 }
 
-static mean_sums mean_sum(const ssfr_span *span, double a, double b)
+/* At one place: the same numbers for a third of the work. */
+static void mean_add_at(double part[PARTS], double slope[PARTS], mean_sums *s, const kernel *k, double at, double blur)
 {
+    const double t = at - k->middle, q2 = q2_at(k, t), far = fabs(t);
+    const double off = 2 * k->doubt + DBL_EPSILON, y = greater(1 - q2 + off, 0), exact = greater(1 - q2, 0);
+    const double w = exact * exact * exact, m = 6 * exact * exact, rise = -k->stretch * (t * m);
+    if (!(y > 0)) return;
+    part[0] += w;
+    part[1] += t * w;
+    part[2] += k->across[0] * w;
+    part[3] += k->across[1] * w;
+    slope[0] += rise;
+    slope[1] += w - k->stretch * far * far * m;
+    slope[2] += k->across[0] * rise;
+    slope[3] += k->across[1] * rise;
+    s->k_doubt += 3 * y * y * off;
+    s->slope_doubt += k->stretch * (6 * y + 24) * y * blur;
+    s->slopes += k->stretch * far * m;
+}
+
+static mean_sums mean_sum_at(const ssfr_span *span, double at)
+{
+    const double blur = blur_of(span);
+    double part[PARTS] = {0}, slope[PARTS] = {0};
     mean_sums s = {0};
-    for (size_t i = 0; i < span->n; i++) mean_add(&s, span->kernels + i, a, b, span->line->digits);
+    for (size_t i = 0; i < span->n; i++) mean_add_at(part, slope, &s, span->kernels + i, at, blur);
+    for (int p = 0; p < PARTS; p++) s.part[p] = (range){part[p], part[p]}, s.slope[p] = (range){slope[p], slope[p]};
     return s;
 }
 
-static ssfr_span_bounds mean_bound(const ssfr_span *span, double a, double b)
+static mean_sums mean_sum(const ssfr_span *span, double a, double b)
+{
+    const double blur = blur_of(span);
+    mean_sums s = {0};
+    if (!(a < b)) return mean_sum_at(span, a);
+    for (size_t i = 0; i < span->n; i++) mean_add(&s, span->kernels + i, a, b, blur);
+    return s;
+}
+
+static ssfr_span_bounds find_mean_bound(const ssfr_span *span, double a, double b)
 {
     const double middle = a + 0.5 * (b - a), half = greater(middle - a, b - middle);
     mean_sums s = mean_sum(span, a, b), centre = a < b ? mean_sum(span, middle, middle) : s;
@@ -405,7 +445,15 @@ static ssfr_span_bounds mean_bound(const ssfr_span *span, double a, double b)
     return out;
 }
 
-static int mean_side(const ssfr_span *span, double a, double b)
+/* Who asks for a side and does not learn it asks for the bounds next. */
+static ssfr_span_bounds mean_bound(ssfr_span *span, double a, double b)
+{
+    if (!(span->known[0] == a && span->known[1] == b)) span->bounds = find_mean_bound(span, a, b);
+    span->known[0] = a, span->known[1] = b;
+    return span->bounds;
+}
+
+static int mean_side(ssfr_span *span, double a, double b)
 {
     double towards[3];
     mean_direction(span, a + 0.5 * (b - a), towards);
@@ -414,7 +462,7 @@ static int mean_side(const ssfr_span *span, double a, double b)
     return bounds.lo > 0 ? 1 : bounds.hi < 0 ? -1 : 0;
 }
 
-static ssfr_span_value mean_at(const ssfr_span *span, double t)
+static ssfr_span_value mean_at(ssfr_span *span, double t)
 {
     const ssfr_span_bounds bounds = mean_bound(span, t, t);
     return (ssfr_span_value){0.5 * (bounds.lo + bounds.hi), 0.5 * (bounds.slope_lo + bounds.slope_hi), bounds.err};

@@ -17,6 +17,12 @@
 
 #include "experiments/truth/line.h"
 
+typedef struct ssfr_span_bounds {
+    double lo, hi;             /* of the field as it is: what rounding may have done is in them */
+    double slope_lo, slope_hi; /* 1/m, likewise */
+    double err;                /* the share of rounding in lo and hi */
+} ssfr_span_bounds;
+
 typedef struct ssfr_span {
     const ssfr_line *line;
     size_t n, capacity;
@@ -24,6 +30,8 @@ typedef struct ssfr_span {
     size_t next;                      /* of the line's: the first that has not been seen yet */
     double across[2][3];              /* unit, with the ray's direction an orthonormal frame; zhu_bridson */
     double slope_slack;               /* of density: what rounding does to the slope */
+    double known[2];                  /* of zhu_bridson: the bounds that were found last, and from where to where */
+    ssfr_span_bounds bounds;
     size_t evaluations;               /* of what follows, since init */
 } ssfr_span;
 
@@ -36,12 +44,6 @@ void ssfr_span_begin(ssfr_span *span, const ssfr_line *line);
 SSFR_MUST ssfr_result ssfr_span_move(ssfr_span *span, double a, double b);
 /* Where the next kernel begins of those that do not reach into the span, m; infinite when there is none. */
 double ssfr_span_next(const ssfr_span *span);
-
-typedef struct ssfr_span_bounds {
-    double lo, hi;             /* of the field as it is: what rounding may have done is in them */
-    double slope_lo, slope_hi; /* 1/m, likewise */
-    double err;                /* the share of rounding in lo and hi */
-} ssfr_span_bounds;
 
 /* 1: from a to b all is inside; -1: all outside; 0: not known. The cheaper bounds. */
 int ssfr_span_side(ssfr_span *span, double a, double b);
