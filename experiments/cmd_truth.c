@@ -128,7 +128,7 @@ end:
 
 static void say(const ssfr_truth_stats *s)
 {
-    const double too_far = 100; /* GSL's estimates are no bounds: they were seen to be a few times too small */
+    const double too_far = 10; /* GSL's estimates are no bounds */
     ssfr_log(SSFR_INFO, "%zu rays, %.3f ms of one core each%s; %zu crossings, %zu touches", s->rays,
              1e3 * s->seconds / (double)(s->rays ? s->rays : 1), s->cached ? " (all from the cache)" : "", s->crossings,
              s->touches);

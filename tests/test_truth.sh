@@ -54,6 +54,22 @@ that 'which is in the folder that was named' [ "$(find mine/truth -name '*.tiles
 accepts 'anew' truth sphere $small $balls --anew --verbose
 that 'casts again' sh -c '! grep -q "from the cache" err'
 
+# ---- what exact splats show ----
+
+exact="--backend cpu --set sphere_depth.splat=exact --set thickness.splat=exact --set downsample.factor=1
+    --set curvature_flow.iterations=0"
+# metric NAME: of `out`.
+metric() { awk -F , -v name="$1" '$1 == name { print $3 }' out; }
+at_most() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a <= b) }'; }
+accepts 'the ball as an exact splat' render sphere --size 64x48 $exact -o splat.exr
+accepts 'and as it is' compare splat.exr ball.exr --channel Z
+that 'cover the same pixels' [ "$(metric silhouette_iou)" = 1 ]
+that 'in the same depth' at_most "$(metric Z.max_abs)" 1e-6
+accepts 'in thickness' compare splat.exr ball.exr --channel T
+that 'they are the same' at_most "$(metric T.max_abs)" 1e-6
+accepts 'in normals' compare splat.exr ball.exr --channel N.X,N.Y,N.Z
+that 'up to finite differences' at_most "$(metric normal_mean_deg)" 3
+
 # ---- places and kinds ----
 
 # A million metres away the built-in block must be what it is at home.
@@ -90,6 +106,27 @@ that 'of one pixel a square' grep -q '^thickness,m,.*,192$' out
 cp out first
 accepts 'with another seed' truth block $small --every 4 --seed 2
 that 'has other pixels' sh -c '! cmp -s out first'
+
+# ---- frames ----
+
+cat >tiny.yaml <<'END'
+title: A small column of water collapses
+radius: 0.05
+particles: 1000
+duration: 0.2
+frame_rate: 20
+domain: {lo: [0, 0, 0], hi: [1.5, 1, 0.4]}
+foam: {energy_min: 0, trapped_air_min: 0.1, trapped_air_max: 2, trapped_air_rate: 1000}
+fluid: {column: {lo: [0, 0, 0], hi: [0.7, 0.8, 0.4], velocity: [2, 0, 0]}}
+cameras:
+  side: {eye: [0.75, 0.6, 2.5], target: [0.75, 0.3, 0]}
+medium: {ior: 1.5}
+END
+accepts 'frames of a scene' truth tiny.yaml --scale full --size 64x48 --frames 0:4:2 --only surface,foam \
+    -o frame_%02d.exr
+that 'have their number in the table' [ "$(cut -d, -f1 out | sort -u | tr '\n' ' ')" = "0 2 4 frame " ]
+that 'and a file each' [ "$(find . -name "frame_0[024].exr" -size +0 | wc -l)" -eq 3 ]
+that 'and foam in the end' awk -F , '$1 == 4 && $2 == "foam_opacity" && $4 > 0 { good = 1 } END { exit !good }' out
 
 # ---- interrupted ----
 
