@@ -32,11 +32,12 @@ typedef struct ssfr_water {
 SSFR_MUST ssfr_result ssfr_water_create(ssfr_water *out, ssfr_waters kind, size_t n);
 void ssfr_water_finish(ssfr_water *water);
 
-/* Sums over the rays that were cast, of what they came upon; they are the same for any number of threads. */
+/* Sums over the rays that were cast. Counts are the same for any number of threads. */
 typedef struct ssfr_rays_tally {
-    uint64_t rays, covered; /* covered: with a crossing or more */
-    uint64_t kernels, crossings, touches, evaluations;
-    double seconds[3];      /* of all threads together: gathering kernels, finding crossings, chords */
+    uint64_t rays, touches;
+    uint64_t covered; /* rays with a crossing or more; what follows is of these alone */
+    uint64_t kernels, crossings, evaluations;
+    double seconds[3]; /* of all threads together: gathering kernels, finding crossings, chords */
 } ssfr_rays_tally;
 
 extern const char *const ssfr_rays_stages[3];

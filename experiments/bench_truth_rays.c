@@ -117,6 +117,17 @@ static ssfr_ray ray_through(const casting *c, const int pixel[2])
     return ray;
 }
 
+static void add(ssfr_rays_tally *sum, const ssfr_rays_tally *one)
+{
+    sum->rays += one->rays;
+    sum->covered += one->covered;
+    sum->kernels += one->kernels;
+    sum->crossings += one->crossings;
+    sum->touches += one->touches;
+    sum->evaluations += one->evaluations;
+    for (int i = 0; i < 3; i++) sum->seconds[i] += one->seconds[i];
+}
+
 static ssfr_result cast_ray(const casting *c, const int pixel[2], ssfr_line *line, ssfr_crossings *crossings,
                             ssfr_rays_tally *tally)
 {
@@ -129,30 +140,19 @@ static ssfr_result cast_ray(const casting *c, const int pixel[2], ssfr_line *lin
     SSFR_TRY(ssfr_crossings_find(crossings, line));
     const double found = ssfr_clock();
     const double content = ssfr_line_chords(line, near, far, &err);
-    tally->seconds[0] += gathered - begun;
-    tally->seconds[1] += found - gathered;
-    tally->seconds[2] += ssfr_clock() - found;
+    const double done = ssfr_clock();
     tally->rays++;
-    tally->covered += crossings->n > 0;
-    tally->kernels += line->n;
-    tally->crossings += crossings->n;
     tally->touches += crossings->n_touches;
-    tally->evaluations += crossings->evaluations;
+    if (crossings->n > 0)
+        add(tally, &(ssfr_rays_tally){.covered = 1,
+                                      .kernels = line->n,
+                                      .crossings = crossings->n,
+                                      .evaluations = crossings->evaluations,
+                                      .seconds = {gathered - begun, found - gathered, done - found}});
     if (!isfinite(content))
         SSFR_TRY(ssfr_fail(SSFR_ERR_VALUE, "pixel %d,%d: the density's integral is %g", pixel[0], pixel[1], content));
 end:
     return result;
-}
-
-static void add(ssfr_rays_tally *sum, const ssfr_rays_tally *one)
-{
-    sum->rays += one->rays;
-    sum->covered += one->covered;
-    sum->kernels += one->kernels;
-    sum->crossings += one->crossings;
-    sum->touches += one->touches;
-    sum->evaluations += one->evaluations;
-    for (int i = 0; i < 3; i++) sum->seconds[i] += one->seconds[i];
 }
 
 static ssfr_result cast_tile(const casting *c, int tile, ssfr_line *line, ssfr_crossings *crossings,
