@@ -74,7 +74,7 @@ static const ssfr_panel panels[] = {
     {.title = "More of the same water costs nothing (density)", .x = "particles", .y = "ray_us",
      .x_label = "particles", .y_label = "time of a thread [us a ray]", .log_x = true, .log_y = true,
      .keys = {{"water", NULL}}, .only = {{"continuum", "density"}, {"threads", "1"}}},
-    {.title = "Rays a second", .x = "particles", .y = "rays_per_second", .x_label = "particles",
+    {.title = "Rays a second against what they cross", .x = "kernels", .y = "rays_per_second", .x_label = "kernels a ray",
      .y_label = "rays a second, all threads", .log_x = true, .log_y = true, .keys = EVERY_CONTINUUM,
      .only = {{"water", "finer"}, {"threads", NULL}}},
     {.title = "Time of an image", .x = "particles", .y = "image_s", .x_label = "particles",
