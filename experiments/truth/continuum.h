@@ -44,7 +44,7 @@ typedef struct ssfr_continuum {
     double weight;        /* V / support^3; of spheres 1 */
     double level;
     double radius;        /* m, of spheres and of zhu_bridson */
-    const ssfr_radial *radial;
+    const ssfr_radial *radial; /* NULL for spheres */
     double *weights;      /* anisotropic: V_j / (support^3 det A_j); else NULL: all have `weight` */
     double (*inverse)[6]; /* anisotropic: of A_j, as xx, xy, xz, yy, yz, zz; else NULL */
     ssfr_boxes boxes;
