@@ -27,7 +27,7 @@ static const ssfr_option rows[] = {
         1, SSFR_MAX_SIZE),
     ROW(only, "only", 0, TEXT, "LIST", "of surface,thickness,foam,colour (default all): the same as truth.parts", 0, 0),
     ROW(integrator, "integrator", 0, TEXT, "NAME",
-        "chords (default), qags, qagp, cquad, gauss or steps: the same as truth.integrator", 0, 0),
+        "how integrals along a ray are found (default chords): the same as truth.integrator", 0, 0),
     ROW(settings, "set", 's', LIST, "KEY=VALUE", "set a parameter of --parameters; can be repeated", 0, 0),
     ROW(parameters, "parameters", 0, FLAG, NULL, "list all parameters instead", 0, 0),
     ROW(frames, "frames", 0, TEXT, "A:B:STEP",
