@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_radiance.c: what a ray collects of spray, foam and bubbles, against closed forms and between rules. */
+#include "experiments/truth/collocation.h"
 #include "experiments/truth/radiance.h"
 #include "base/param.h"
 #include "tests/util.h"
@@ -300,6 +301,28 @@ static void greys_are_integrated_once_for_all_channels(void **state)
     drain(&m);
 }
 
+/* With n points polynomials are integrated exactly: of degree 2 n - 1 over all, of degree n - 1 up to each point. */
+static void collocation_is_exact_for_polynomials(void **state)
+{
+    (void)state;
+    ssfr_collocation c;
+    for (int n = 1; n <= SSFR_COLLOCATION_MOST; n++) {
+        assert_int_equal(ssfr_collocation_init(&c, n), SSFR_OK);
+        for (int degree = 0; degree < 2 * n; degree++) {
+            double all = 0;
+            for (int i = 0; i < n; i++) all += c.weight[i] * pow(c.at[i], degree);
+            assert_close(all, 1.0 / (degree + 1), 1e-15, 0);
+            for (int i = 0; i < n && degree < n; i++) {
+                double part = 0;
+                for (int j = 0; j < n; j++) part += c.upto[i][j] * pow(c.at[j], degree);
+                assert_close(part, pow(c.at[i], degree + 1) / (degree + 1), 4e-15, 0);
+            }
+        }
+    }
+    assert_fails(SSFR_ERR_VALUE, ssfr_collocation_init(&c, 0), "0 points");
+    assert_fails(SSFR_ERR_VALUE, ssfr_collocation_init(&c, SSFR_COLLOCATION_MOST + 1), "17 points");
+}
+
 /* ---- ends -------------------------------------------------------------------------------------------------------- */
 
 /* Up to a solid, and from there on: L = L1 + T1 L2. */
@@ -349,8 +372,9 @@ static void no_particles_are_no_extinction(void **state)
         assert_int_equal(ssfr_extinction_init(&m.extinction, i ? &none : NULL, 0, nowhere, &p), SSFR_OK);
         ssfr_line_init(&m.line, &m.extinction.kernels);
         cast(&m, &along_x);
-        assert_int_equal(ssfr_radiance_collect(&m.extinction, &m.line, NULL, SSFR_INTEGRATOR_chords, &usual, 0, 9, &out),
-                         SSFR_OK);
+        const ssfr_result result = ssfr_radiance_collect(&m.extinction, &m.line, NULL, SSFR_INTEGRATOR_chords, &usual, 0,
+                                                         INFINITY, &out);
+        assert_int_equal(result, SSFR_OK);
         assert_true(out.transmittance == 1 && out.colour[0] == 0 && out.err == 0);
         ssfr_line_finish(&m.line);
         ssfr_extinction_finish(&m.extinction);
@@ -489,6 +513,7 @@ int main(void)
         cmocka_unit_test(steps_converge_with_the_second_order),
         cmocka_unit_test(light_is_collected_or_comes_through),
         cmocka_unit_test(greys_are_integrated_once_for_all_channels),
+        cmocka_unit_test(collocation_is_exact_for_polynomials),
         cmocka_unit_test(a_ray_that_is_cut_collects_its_parts),
         cmocka_unit_test(nothing_there_collects_nothing),
         cmocka_unit_test(no_particles_are_no_extinction),

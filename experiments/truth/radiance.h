@@ -27,7 +27,8 @@ typedef struct ssfr_extinction {
     double same[3];
 } ssfr_extinction;
 
-/* Diffuse particles (NULL, or none: no extinction anywhere); radius: that of the fluid's, m; origin: of the fluid, m. */
+/* Diffuse particles (NULL, or none: no extinction anywhere), foam where kinds are missing; radius: that of the fluid's,
+ * m; origin: of the fluid, m. */
 SSFR_MUST ssfr_result ssfr_extinction_init(ssfr_extinction *out, const ssfr_particles *particles, double radius,
                                      const double origin[3], const ssfr_extinction_params *params);
 void ssfr_extinction_finish(ssfr_extinction *extinction);
@@ -35,14 +36,16 @@ void ssfr_extinction_finish(ssfr_extinction *extinction);
 typedef struct ssfr_radiance {
     double colour[3];      /* collected, before what is behind */
     double transmittance;  /* share of what is behind that comes through, [0, 1] */
-    double err;            /* of any channel and of the transmittance, absolute: the rule's own estimate, and rounding */
+    double err;            /* of any channel and of the transmittance, absolute: see below */
     bool closed;           /* by the closed form alone */
     size_t evaluations;
 } ssfr_radiance;
 
-/* What the ray collects between a and b (m) of a line that was cast through extinction->kernels. With `chords` colours that
- * differ are integrated by qagp: that has no closed form. `steps` takes the optical depth by steps, too, as renderers
- * do. */
+/* What the ray collects between a and b (m) of a line that was cast through extinction->kernels. `chords` takes the
+ * closed form where what the ray crosses is of one colour; where colours mix, piece by piece, a polynomial that agrees
+ * with the closed-form depth, or qags where none does. `steps` takes the optical depth by steps, too, as renderers do.
+ * err is what rounding does, and the rule's own estimate where there is no closed form; of `steps` the difference to half
+ * as many and to the closed-form transmittance. It is never more than the least and the largest colour leave open. */
 SSFR_MUST ssfr_result ssfr_radiance_collect(const ssfr_extinction *extinction, ssfr_line *line, ssfr_integration *work,
                                             ssfr_integrator_id id, const ssfr_integrate_params *params, double a,
                                             double b, ssfr_radiance *out);
