@@ -196,8 +196,8 @@ static ssfr_result judge(ssfr_truth_worker *w, double a, double b, const ssfr_in
     return SSFR_OK;
 }
 
-/* A share of the pixels, evenly spread: x / g + y / g^2 with g^3 = g + 1 fills the unit interval evenly, over any part of
- * the image (Roberts 2018). */
+/* A share of the pixels, evenly spread: x / g + y / g^2 with g^3 = g + 1 fills the unit interval evenly, over any part
+ * of the image (Roberts 2018). */
 static bool is_judged(const ssfr_truth_cast_params *p, int x, int y)
 {
     const double u = 0.7548776662466927 * x + 0.5698402909980532 * y;
