@@ -4,6 +4,7 @@
 
 #include "base/base.h"
 #include "metrics/run.h"
+#include "metrics/tally.h"
 
 static const ssfr_metric metrics[] = {
 #define X(name, kind, unit, help) {#name, unit, help, SSFR_METRIC_##kind, ssfr_metric_run_##name},
@@ -31,28 +32,11 @@ const char *ssfr_metric_kind_name(ssfr_metric_kind kind)
     return names[kind];
 }
 
-static bool channels_fit(ssfr_metric_kind kind, int c)
-{
-    switch (kind) {
-    case SSFR_METRIC_DEPTH: return c == 1;
-    case SSFR_METRIC_NORMAL: return c == 3;
-    case SSFR_METRIC_COLOUR: return c == 1 || c == 3;
-    default: return true;
-    }
-}
-
 ssfr_result ssfr_metric_measure(const ssfr_metric *metric, const ssfr_field *a, const ssfr_field *b,
                                 const ssfr_field *mask, double *out)
 {
     const ssfr_pair pair = {a, b, mask};
-    if (a->w != b->w || a->h != b->h || a->c != b->c)
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: %d x %d pixels of %d channels against %d x %d of %d", metric->name, a->w,
-                         a->h, a->c, b->w, b->h, b->c);
-    if (!channels_fit(metric->kind, a->c))
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: %d channels do not make a %s image", metric->name, a->c,
-                         ssfr_metric_kind_name(metric->kind));
-    if (mask && (mask->w != a->w || mask->h != a->h || mask->c != 1))
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: a mask of %d x %d pixels and %d channels for %d x %d pixels",
-                         metric->name, mask->w, mask->h, mask->c, a->w, a->h);
+    const ssfr_result result = ssfr_pair_check(&pair, metric->name, metric->kind);
+    if (result != SSFR_OK) return result;
     return metric->run(&pair, out);
 }

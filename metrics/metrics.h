@@ -5,8 +5,8 @@
  *  - a is the measured field, b the reference; both have the same size and the channels of the metric's kind.
  *  - A mask has one channel, and only pixels where it is not 0 are counted; NULL counts all.
  *  - NaN in a counted pixel of a or b makes the metric NaN, and so does a mask or a pair of images without a pixel
- *    to count. These are results, not errors. nan_count alone is a number always. ssim looks 5 pixels around those
- *    counted.
+ *    to count. These are results, not errors. nan_count alone is a number always. Around the pixels counted ssim
+ *    looks 5 pixels far, flip and flip_hdr 10.
  *  - Rows are added from the top whatever the number of threads, so that a metric is the same to the bit. */
 #ifndef SSFR_METRICS_H
 #define SSFR_METRICS_H

@@ -1,6 +1,31 @@
 /* SPDX-License-Identifier: MIT */
-/* tally.c: one pass over the counted pixels of a pair, a row a thread, rows added in order. */
+/* tally.c: pairs that fit, and one pass over their counted pixels, a row a thread, rows added in order. */
 #include "metrics/tally.h"
+
+static bool channels_fit(ssfr_metric_kind kind, int c)
+{
+    switch (kind) {
+    case SSFR_METRIC_DEPTH: return c == 1;
+    case SSFR_METRIC_NORMAL: return c == 3;
+    case SSFR_METRIC_COLOUR: return c == 1 || c == 3;
+    default: return true;
+    }
+}
+
+ssfr_result ssfr_pair_check(const ssfr_pair *pair, const char *name, ssfr_metric_kind kind)
+{
+    const ssfr_field *a = pair->a, *b = pair->b, *mask = pair->mask;
+    if (a->w != b->w || a->h != b->h || a->c != b->c)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: %d x %d pixels of %d channels against %d x %d of %d", name, a->w, a->h,
+                         a->c, b->w, b->h, b->c);
+    if (!channels_fit(kind, a->c))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: %d channels do not make a %s image", name, a->c,
+                         ssfr_metric_kind_name(kind));
+    if (mask && (mask->w != a->w || mask->h != a->h || mask->c != 1))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: a mask of %d x %d pixels and %d channels for %d x %d pixels", name,
+                         mask->w, mask->h, mask->c, a->w, a->h);
+    return SSFR_OK;
+}
 
 ssfr_result ssfr_tally_pixels(const ssfr_pair *pair, ssfr_visit *visit, ssfr_tally *out)
 {
@@ -53,4 +78,14 @@ ssfr_result ssfr_tally_max(const ssfr_pair *pair, ssfr_visit *visit, double *out
     const ssfr_result result = ssfr_tally_pixels(pair, visit, &tally);
     if (result == SSFR_OK) *out = tally.n ? tally.max : (double)NAN;
     return result;
+}
+
+static void visit_map(const ssfr_pair *pair, int x, int y, ssfr_tally *tally)
+{
+    ssfr_tally_add(tally, *ssfr_field_at(pair->a, x, y));
+}
+
+ssfr_result ssfr_tally_map(const ssfr_field *map, const ssfr_field *mask, double *out)
+{
+    return ssfr_tally_mean(&(ssfr_pair){map, map, mask}, visit_map, out);
 }

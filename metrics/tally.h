@@ -32,6 +32,9 @@ static inline bool ssfr_pair_counts(const ssfr_pair *pair, int x, int y)
     return !pair->mask || *ssfr_field_at(pair->mask, x, y) != 0;
 }
 
+/* SSFR_ERR_VALUE for sizes or channels that do not fit, in the name of a metric. */
+SSFR_MUST ssfr_result ssfr_pair_check(const ssfr_pair *pair, const char *name, ssfr_metric_kind kind);
+
 /* Adds what a counted pixel is worth, which may be nothing or several values. */
 typedef void ssfr_visit(const ssfr_pair *pair, int x, int y, ssfr_tally *tally);
 
@@ -42,5 +45,8 @@ SSFR_MUST ssfr_result ssfr_tally_mean(const ssfr_pair *pair, ssfr_visit *visit, 
 SSFR_MUST ssfr_result ssfr_tally_mean_square(const ssfr_pair *pair, ssfr_visit *visit, double *out);
 SSFR_MUST ssfr_result ssfr_tally_rms(const ssfr_pair *pair, ssfr_visit *visit, double *out);
 SSFR_MUST ssfr_result ssfr_tally_max(const ssfr_pair *pair, ssfr_visit *visit, double *out);
+
+/* The mean of a map of one channel where the mask counts; mask may be NULL. */
+SSFR_MUST ssfr_result ssfr_tally_map(const ssfr_field *map, const ssfr_field *mask, double *out);
 
 #endif

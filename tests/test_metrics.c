@@ -59,7 +59,7 @@ static void every_metric_is_found_by_its_name(void **state)
         assert_ptr_equal(ssfr_metric_find(m->name), m);
         assert_true(strlen(m->help) > 10 && strlen(m->unit) > 0 && strlen(ssfr_metric_kind_name(m->kind)) > 0);
     }
-    assert_int_equal(n, 15);
+    assert_int_equal(n, 17);
     assert_null(ssfr_metric_find("depth"));
     assert_null(ssfr_metric_at(-1));
 }
