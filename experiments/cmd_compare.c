@@ -273,10 +273,10 @@ static ssfr_result compare(const char *const paths[2], const compare_options *op
                            paths[1], groups[0].b->w, groups[0].b->h);
         goto end;
     }
+    if (options->picture) SSFR_TRY(draw_difference(paths, options, groups, n));
     SSFR_TRY(ssfr_csv_create(&csv, NULL, SSFR_COUNT(columns), columns, 1, false));
     for (int i = 0; i < n; i++) SSFR_TRY(measure(csv, &groups[i], mask, requirements, options->requirements.n));
     SSFR_TRY(check_measured(requirements, options->requirements.n));
-    if (options->picture) SSFR_TRY(draw_difference(paths, options, groups, n));
     if (options->diff) SSFR_TRY(save_difference(options->diff, groups, n));
 end:
     for (int i = 0; i < n; i++) ssfr_field_destroy(&groups[i].a), ssfr_field_destroy(&groups[i].b);

@@ -104,7 +104,20 @@ refuses 'a parameter of truth needs truth' '--vary: truth.level: only a sweep wi
     sweep $cpu --vary truth.level=0.4
 refuses 'the reference is one of two' '--reference truth: beside curvature_flow.iterations=6' \
     sweep $cpu --vary curvature_flow.iterations=3 --reference curvature_flow.iterations=6 --reference truth
-rm y.* && rm -r cache
+rm y.*
+
+# ---- a picture of the difference ----
+
+run truth block --size 48x32 --only surface -s truth.kind=spheres -o truth.exr
+run render block --size 48x32 --backend cpu -o frame.exr
+run compare frame.exr truth.exr -c Z --picture difference.png --range 2
+that 'a picture of the difference is drawn' [ $status -eq 0 -a -s difference.png ]
+that 'beside the numbers' grep -q '^depth_mean,m,' out
+refuses 'it is one of depth' '--picture difference.png: draws depth, and Z is not compared' \
+    compare frame.exr truth.exr -c N.X,N.Y,N.Z --picture difference.png
+refuses 'its name tells that it is a PNG' '--picture difference.jpg: expected a name that ends in .png' \
+    compare frame.exr truth.exr --picture difference.jpg
+rm ./*.exr difference.png && rm -r cache
 
 # ---- killed and resumed ----
 
