@@ -2,6 +2,8 @@
 /* bench_integrators_measure.c: the integral along one ray by one rule: how wrong it is, how long it takes. */
 #include "experiments/bench_integrators.h"
 
+#include "experiments/truth/sum.h"
+
 #include <float.h>
 
 static const double batch = 2e-5;     /* s, the least that is timed at once: far above what reading the clock takes */
@@ -119,17 +121,16 @@ end:
 static ssfr_result refer_density(const job *j, ssfr_study_ray *ray)
 {
     ssfr_result result = SSFR_OK;
-    double sum = 0, lost = 0, one;
+    double one;
+    ssfr_sum sum = {0};
     outcome closed;
     SSFR_TRY(integrate(j, &closed));
-    for (size_t i = 0; i < j->line->n; i++) { /* Neumaier's sum, as that of the closed form */
+    for (size_t i = 0; i < j->line->n; i++) {
         SSFR_TRY(integrate_single(j->scene->work, &(single){j->scene->fluid.radial, &j->line->kernels[i]}, &one));
-        const double t = sum + one;
-        lost += fabs(sum) >= fabs(one) ? sum - t + one : one - t + sum;
-        sum = t;
+        ssfr_sum_add(&sum, one); /* as the closed form does */
     }
     memcpy(ray->reference, closed.value, sizeof ray->reference);
-    ray->reference_err = fabs((sum + lost) / ssfr_study_unit(j->scene, j->integral) - closed.value[0]);
+    ray->reference_err = fabs(ssfr_sum_total(&sum) / ssfr_study_unit(j->scene, j->integral) - closed.value[0]);
 end:
     return result;
 }

@@ -2,6 +2,8 @@
 /* integrate.c: GSL's rules behind one call, with error estimates that include what rounding of their sums may do. */
 #include "experiments/truth/integrate.h"
 
+#include "experiments/truth/sum.h"
+
 #include <float.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>
@@ -54,21 +56,6 @@ static double counted_value(double t, void *user)
     return 0;
 }
 
-/* ---- sums -------------------------------------------------------------------------------------------------------- */
-
-/* Neumaier's sum: its rounding is that of one addition, however many there are. */
-typedef struct sum {
-    double value, lost, size; /* size: sum of absolute values */
-} sum;
-
-static void sum_add(sum *s, double v)
-{
-    const double t = s->value + v;
-    s->lost += fabs(s->value) >= fabs(v) ? s->value - t + v : v - t + s->value;
-    s->value = t;
-    s->size += fabs(v);
-}
-
 /* ---- the rules --------------------------------------------------------------------------------------------------- */
 
 /* Without any tolerance GSL refuses; this is the least that it takes. */
@@ -118,17 +105,17 @@ static void run_each(ssfr_integration *work, counted *f, const ssfr_integrate_pa
     const double *breaks = f->integrand->breaks;
     const size_t n = f->integrand->n_breaks - 1;
     const double eps_abs = fmax(params->eps_abs, params->eps_rel * fabs(out->value)) / (double)n;
-    sum total = {0};
+    ssfr_sum total = {0};
     double err = 0;
     for (size_t i = 0; i < n; i++) {
         double value = 0, off = INFINITY;
         gsl_integration_qags(&function, breaks[i], breaks[i + 1], eps_abs, least_rel(params), work->adaptive->limit,
                              work->adaptive, &value, &off);
         err += off + adaptive_rounding(work->adaptive);
-        sum_add(&total, value);
+        ssfr_sum_add(&total, value);
     }
     if (!(err < out->err)) return;
-    out->value = total.value + total.lost;
+    out->value = ssfr_sum_total(&total);
     out->err = err;
 }
 
@@ -166,15 +153,15 @@ static ssfr_result run_cquad(ssfr_integration *work, counted *f, const ssfr_inte
     if (!work->cquad) work->cquad = gsl_integration_cquad_workspace_alloc(CQUAD_LIMIT);
     if (!work->cquad) SSFR_TRY(ssfr_fail(SSFR_ERR_MEMORY, "no memory to integrate over %d pieces", CQUAD_LIMIT));
     const size_t n = f->integrand->n_breaks - 1;
-    sum total = {0};
+    ssfr_sum total = {0};
     for (size_t i = 0; i < n; i++) {
         double value = 0, off = INFINITY;
         gsl_integration_cquad(&function, breaks[i], breaks[i + 1], params->eps_abs / (double)n, least_rel(params),
                               work->cquad, &value, &off, NULL);
         out->err += off;
-        sum_add(&total, value);
+        ssfr_sum_add(&total, value);
     }
-    out->value = total.value + total.lost;
+    out->value = ssfr_sum_total(&total);
     out->err += DBL_EPSILON * (1 + (double)(f->n / POINTS)) * total.size;
 end:
     return result;
@@ -190,7 +177,7 @@ static ssfr_result prepare_gauss(ssfr_integration *work, int points)
 
 /* What rounding may change: the sum by the digits of its terms, and of its places, which count as the function varies. */
 typedef struct samples {
-    sum terms;
+    ssfr_sum terms;
     double last, variation;
     bool any;
 } samples;
@@ -199,13 +186,13 @@ static void samples_add(samples *s, double value, double weight)
 {
     s->variation += s->any ? fabs(value - s->last) : 0;
     s->last = value, s->any = true;
-    sum_add(&s->terms, weight * value);
+    ssfr_sum_add(&s->terms, weight * value);
 }
 
 static double samples_end(const samples *s, double a, double b, double *rounding)
 {
     *rounding += DBL_EPSILON * (2 * s->terms.size + fmax(fabs(a), fabs(b)) * s->variation);
-    return s->terms.value + s->terms.lost;
+    return ssfr_sum_total(&s->terms);
 }
 
 static double gauss_piece(const gsl_integration_glfixed_table *table, counted *f, double a, double b, double *rounding)
@@ -224,7 +211,7 @@ static ssfr_result run_gauss(ssfr_integration *work, counted *f, const ssfr_inte
 {
     const int points = params->points, other = points > 1 ? points / 2 : 2; /* one point has no half */
     const double *breaks = f->integrand->breaks;
-    sum total = {0};
+    ssfr_sum total = {0};
     double rounding = 0;
     ssfr_result result = SSFR_OK;
     SSFR_TRY(prepare_gauss(work, points));
@@ -232,10 +219,10 @@ static ssfr_result run_gauss(ssfr_integration *work, counted *f, const ssfr_inte
     for (size_t i = 0; i + 1 < f->integrand->n_breaks; i++) {
         const double fine = gauss_piece(work->gauss[points], f, breaks[i], breaks[i + 1], &rounding);
         const double coarse = gauss_piece(work->gauss[other], f, breaks[i], breaks[i + 1], &rounding);
-        sum_add(&total, fine);
+        ssfr_sum_add(&total, fine);
         out->err += fabs(fine - coarse);
     }
-    out->value = total.value + total.lost;
+    out->value = ssfr_sum_total(&total);
     out->err += rounding + 2 * DBL_EPSILON * fabs(out->value);
 end:
     return result;
