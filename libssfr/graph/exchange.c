@@ -270,3 +270,9 @@ const ssfr_report *ssfr_graph_report(const ssfr_graph *graph)
 {
     return &graph->report;
 }
+
+const ssfr_run *ssfr_graph_last_run(const ssfr_graph *graph, int i)
+{
+    const bool ran = graph->ran && !graph->gl && i >= 0 && i < graph->n_nodes && graph->reports[i].status == SSFR_RAN;
+    return ran ? &graph->nodes[i].run : NULL;
+}

@@ -2,35 +2,48 @@
 /* curvature_flow_cpu.c: Euler steps of the curvature flow, in double; the formula stands in curvature_flow.c. */
 #include "passes/curvature_flow.h"
 
+typedef struct patch { /* a pixel's depth, and by how much its neighbours' differ from it, m */
+    double z, left, right, above, below, mm, pm, mp, pp;
+} patch;
+
 typedef struct slopes { /* per unit of tangent: z_x / C_x and so on; v grows downwards like rows */
     double z, p, q, r, s, t;
 } slopes;
 
-static double difference(const ssfr_field *f, double z, int x, int y, double falloff, bool *cut)
+static inline patch look(const ssfr_field *f, int x, int y)
 {
-    const double d = *ssfr_field_fetch(f, x, y) - z;
-    *cut |= !(fabs(d) <= falloff);
-    return d;
+    const size_t left = (size_t)ssfr_max_int(x - 1, 0), right = (size_t)ssfr_min_int(x + 1, f->w - 1);
+    const double *row = ssfr_field_at(f, 0, y), *up = ssfr_field_at(f, 0, ssfr_max_int(y - 1, 0));
+    const double *down = ssfr_field_at(f, 0, ssfr_min_int(y + 1, f->h - 1)), z = row[x];
+    return (patch){z, row[left] - z, row[right] - z, up[x] - z, down[x] - z,
+                   up[left] - z, up[right] - z, down[left] - z, down[right] - z};
+}
+
+/* The larger magnitude, or NaN when either is. */
+static inline double larger(double a, double b)
+{
+    return isnan(b) || fabs(b) > fabs(a) ? fabs(b) : fabs(a);
+}
+
+static inline unsigned find_cuts(const patch *d, const ssfr_curvature_flow_coeffs *c)
+{
+    unsigned cuts = 0;
+    if (!(larger(d->left, d->right) <= c->falloff)) cuts |= SSFR_CURVATURE_FLOW_CUT_X;
+    if (!(larger(d->above, d->below) <= c->falloff)) cuts |= SSFR_CURVATURE_FLOW_CUT_Y;
+    if (c->cross_term && !cuts && !(larger(larger(d->mm, d->pm), larger(d->mp, d->pp)) <= c->falloff))
+        cuts = SSFR_CURVATURE_FLOW_CUT_XY;
+    return cuts;
 }
 
 /* At a silhouette all derivatives along that axis are zero, so nothing is smoothed across it. */
-static slopes measure(const ssfr_field *f, int x, int y, const ssfr_curvature_flow_coeffs *c)
+static inline slopes measure(const patch *d, const ssfr_curvature_flow_coeffs *c, unsigned cuts)
 {
-    slopes k = {.z = *ssfr_field_at(f, x, y)};
-    bool cut_x = false, cut_y = false, cut_xy = false;
-    const double left = difference(f, k.z, x - 1, y, c->falloff, &cut_x);
-    const double right = difference(f, k.z, x + 1, y, c->falloff, &cut_x);
-    const double above = difference(f, k.z, x, y - 1, c->falloff, &cut_y);
-    const double below = difference(f, k.z, x, y + 1, c->falloff, &cut_y);
-    if (!cut_x) k.p = (right - left) / (2 * c->c[0]), k.r = (left + right) / (c->c[0] * c->c[0]);
-    if (!cut_y) k.q = (below - above) / (2 * c->c[1]), k.s = (above + below) / (c->c[1] * c->c[1]);
-    if (c->cross_term && !cut_x && !cut_y) {
-        const double mm = difference(f, k.z, x - 1, y - 1, c->falloff, &cut_xy);
-        const double pm = difference(f, k.z, x + 1, y - 1, c->falloff, &cut_xy);
-        const double mp = difference(f, k.z, x - 1, y + 1, c->falloff, &cut_xy);
-        const double pp = difference(f, k.z, x + 1, y + 1, c->falloff, &cut_xy);
-        if (!cut_xy) k.t = (pp - pm - mp + mm) / (4 * c->c[0] * c->c[1]);
-    }
+    slopes k = {.z = d->z};
+    if (!(cuts & SSFR_CURVATURE_FLOW_CUT_X))
+        k.p = (d->right - d->left) / (2 * c->c[0]), k.r = (d->left + d->right) / (c->c[0] * c->c[0]);
+    if (!(cuts & SSFR_CURVATURE_FLOW_CUT_Y))
+        k.q = (d->below - d->above) / (2 * c->c[1]), k.s = (d->above + d->below) / (c->c[1] * c->c[1]);
+    if (c->cross_term && !cuts) k.t = (d->pp - d->pm - d->mp + d->mm) / (4 * c->c[0] * c->c[1]);
     return k;
 }
 
@@ -57,16 +70,22 @@ static double exact_rate(const slopes *k, const double c[2], double u, double v)
     return sqrt(c[0] * c[1]) * fabs(z) * twice / 2;
 }
 
-static double step(const ssfr_run *run, const ssfr_field *from, int x, int y)
+static inline double rate(const ssfr_run *run, const patch *d, int x, int y, unsigned cuts)
 {
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     const double *image = run->frame->block.image;
     const double u = ((x + 0.5) * c->divisor - 0.5 * image[0]) * image[2];
     const double v = ((y + 0.5) * c->divisor - 0.5 * image[1]) * image[3];
-    const slopes k = measure(from, x, y, c);
+    const slopes k = measure(d, c, cuts);
     const double away = 1 + u * u + v * v, factor = c->off_axis ? away * sqrt(away) : 1;
     const double dt = fmin(c->dt, c->limit * fabs(k.z) / factor);
-    return k.z + dt * (c->off_axis ? exact_rate(&k, c->c, u, v) : printed_rate(&k, c->c));
+    return dt * (c->off_axis ? exact_rate(&k, c->c, u, v) : printed_rate(&k, c->c));
+}
+
+static double step(const ssfr_run *run, const ssfr_field *from, int x, int y)
+{
+    const patch d = look(from, x, y);
+    return d.z + rate(run, &d, x, y, find_cuts(&d, run->coeffs));
 }
 
 static void sweep(const ssfr_run *run, const ssfr_field *from, ssfr_field *to)
@@ -90,4 +109,26 @@ void ssfr_curvature_flow_cpu(const ssfr_run *run)
     }
     if (c->iterations == 0)
         memcpy(run->out[0]->data, from->data, (size_t)from->w * (size_t)from->h * sizeof *from->data);
+}
+
+/* ---- the same for who takes other steps -------------------------------------------------------------------------- */
+
+double ssfr_curvature_flow_jump(const ssfr_field *depth, int x, int y, unsigned cut)
+{
+    const patch d = look(depth, x, y);
+    if (cut == SSFR_CURVATURE_FLOW_CUT_X) return larger(d.left, d.right);
+    if (cut == SSFR_CURVATURE_FLOW_CUT_Y) return larger(d.above, d.below);
+    return larger(larger(d.mm, d.pm), larger(d.mp, d.pp));
+}
+
+unsigned ssfr_curvature_flow_cuts(const ssfr_run *run, const ssfr_field *depth, int x, int y)
+{
+    const patch d = look(depth, x, y);
+    return find_cuts(&d, run->coeffs);
+}
+
+double ssfr_curvature_flow_rate(const ssfr_run *run, const ssfr_field *depth, int x, int y, unsigned cuts)
+{
+    const patch d = look(depth, x, y);
+    return rate(run, &d, x, y, cuts);
 }
