@@ -143,7 +143,7 @@ static double cie_root(double t)
     return t > delta * delta * delta ? cbrt(t) : t / (3 * delta * delta) + 4.0 / 29;
 }
 
-/* CIELAB with Hunt's effect: the darker a colour, the less of a colour. */
+/* CIELAB with Hunt's effect: the darker, the less colourful. */
 static void hunt_lab_from_rgb(const double rgb[3], double out[3])
 {
     double xyz[3];
@@ -154,7 +154,7 @@ static void hunt_lab_from_rgb(const double rgb[3], double out[3])
     out[2] = 0.01 * out[0] * 200 * (xyz[1] - xyz[2]);
 }
 
-/* HyAB (Abasi et al. 2020), of colours far apart, to the power q_c. */
+/* HyAB (Abasi et al. 2020), a distance that holds for colours far apart, to the power q_c. */
 static double colour_difference(const double rgb_a[3], const double rgb_b[3])
 {
     double a[3], b[3];
