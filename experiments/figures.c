@@ -26,17 +26,20 @@ typedef struct texts { /* of one panel */
     char x[256], y[256], before[SSFR_MAX_LINES][128];
 } texts;
 
-static void label(const ssfr_csv_table *table, const char *column, char *text, size_t size)
+static void put_label(const ssfr_csv_table *table, const char *column, const char *label, char *text, size_t size)
 {
     const int at = ssfr_csv_column(table, column);
-    ssfr_column_label(ssfr_column_find(column), at >= 0 ? table->cells[at] : column, text, size);
+    if (label)
+        snprintf(text, size, "%s", label);
+    else
+        ssfr_column_label(ssfr_column_find(column), at >= 0 ? table->cells[at] : column, text, size);
 }
 
 /* "splat point": a parameter is told by its last word, the rest by the value alone. */
 static void fill_panel(const ssfr_csv_table *table, const ssfr_plot_spec *spec, texts *t, ssfr_panel *panel)
 {
-    label(table, spec->x, t->x, sizeof t->x);
-    label(table, spec->y, t->y, sizeof t->y);
+    put_label(table, spec->x, spec->x_label, t->x, sizeof t->x);
+    put_label(table, spec->y, spec->y_label, t->y, sizeof t->y);
     *panel = (ssfr_panel){
         .title = spec->title ? spec->title : "", .x = spec->x, .y = spec->y, .x_label = t->x, .y_label = t->y};
     for (int i = 0; i < spec->n_lines; i++) {

@@ -53,13 +53,16 @@ static ssfr_result find_column(const plot *p, const char *name, int *out)
     return *out >= 0 ? SSFR_OK : ssfr_fail(SSFR_ERR_UNKNOWN, "plot: the table has no column %s", name);
 }
 
-static ssfr_result init_axis(const plot *p, axis *a, const char *name)
+static ssfr_result init_axis(const plot *p, axis *a, const char *name, const char *label)
 {
     ssfr_result result = SSFR_OK;
     *a = (axis){.meaning = ssfr_column_find(name), .sign = 1, .log = true, .lo = INFINITY, .hi = -INFINITY};
     SSFR_TRY(find_column(p, name, &a->column));
     if (a->meaning && a->meaning->better > 0) a->sign = -1, a->log = false;
-    ssfr_column_label(a->meaning, p->table->cells[a->column], a->label, sizeof a->label);
+    if (label)
+        snprintf(a->label, sizeof a->label, "%s", label);
+    else
+        ssfr_column_label(a->meaning, p->table->cells[a->column], a->label, sizeof a->label);
 end:
     return result;
 }
@@ -232,8 +235,8 @@ ssfr_result ssfr_plot_save(const char *svg, const ssfr_csv_table *table, const s
     SSFR_TRY(ssfr_alloc(&p, 1, sizeof *p, "a plot"));
     p->table = table;
     p->spec = spec;
-    SSFR_TRY(init_axis(p, &p->x, spec->x));
-    SSFR_TRY(init_axis(p, &p->y, spec->y));
+    SSFR_TRY(init_axis(p, &p->x, spec->x, spec->x_label));
+    SSFR_TRY(init_axis(p, &p->y, spec->y, spec->y_label));
     for (int i = 0; i < spec->n_lines; i++) SSFR_TRY(find_column(p, spec->lines[i], &p->lines[i]));
     for (int i = 0; i < spec->n_only; i++) SSFR_TRY(find_column(p, spec->only[i].column, &p->only[i]));
     SSFR_TRY(collect(p));

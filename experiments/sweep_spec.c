@@ -333,6 +333,8 @@ static void finish_plot(ssfr_plot_spec *plot)
     free(plot->title);
     free(plot->x);
     free(plot->y);
+    free(plot->x_label);
+    free(plot->y_label);
 }
 
 void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec)
@@ -499,6 +501,8 @@ static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *ro
         SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_plot_spec, title),
         SSFR_YAML_ROW("x", ssfr_yaml_read_text, ssfr_plot_spec, x),
         SSFR_YAML_ROW("y", ssfr_yaml_read_text, ssfr_plot_spec, y),
+        SSFR_YAML_ROW("x_label", ssfr_yaml_read_text, ssfr_plot_spec, x_label),
+        SSFR_YAML_ROW("y_label", ssfr_yaml_read_text, ssfr_plot_spec, y_label),
         SSFR_YAML_ROW_ALL("lines", read_lines),
         SSFR_YAML_ROW_ALL("only", read_only),
         SSFR_YAML_ROW_END,

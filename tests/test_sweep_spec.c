@@ -288,7 +288,7 @@ static const char whole[] = "# a comment\n"
                             "plot: {title: Work, x: ref_psnr, y: ms_median, lines: [flow.step, backend]}\n"
                             "curves:\n"
                             "  - {x: flow.iterations, y: ref_psnr, lines: [flow.step], only: {backend: [cpu, gl]}}\n"
-                            "  - {title: Time, x: flow.iterations, y: ms_median}\n";
+                            "  - {title: Time, x: flow.iterations, y: ms_median, y_label: t}\n";
 
 static ssfr_result load_text(ssfr_sweep_spec **spec, const char *text, size_t size)
 {
@@ -323,6 +323,8 @@ static void assert_whole(const ssfr_sweep_spec *spec)
     assert_string_equal(spec->curves[0].only[1].cell, "gl");
     assert_null(spec->curves[0].title);
     assert_string_equal(spec->curves[1].y, "ms_median");
+    assert_string_equal(spec->curves[1].y_label, "t");
+    assert_null(spec->curves[1].x_label);
     assert_int_equal(spec->curves[1].n_lines, 0);
 }
 

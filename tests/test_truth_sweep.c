@@ -226,6 +226,7 @@ static void the_parts_of_truth_say_which_errors_there_are(void **state)
     run(&f, 0, v);
     assert_true(isnan(v[SSFR_COLUMN_ref_depth_rms]) && isnan(v[SSFR_COLUMN_ref_thickness_rms]));
     assert_true(v[SSFR_COLUMN_ref_psnr] > 5 && v[SSFR_COLUMN_ref_psnr] < 60 && v[SSFR_COLUMN_ref_ssim] > 0.2);
+    assert_true(v[SSFR_COLUMN_ref_flip] > 0 && v[SSFR_COLUMN_ref_flip] < 0.5);
     end(&f);
 }
 
