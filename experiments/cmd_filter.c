@@ -5,6 +5,7 @@
 #include "experiments/depth.h"
 #include "experiments/output.h"
 #include "experiments/record.h"
+#include "experiments/truth/flow.h"
 
 #include "graph/graph.h"
 
@@ -14,6 +15,7 @@ typedef struct filter_options {
     int kind;         /* ssfr_depth_kind */
     double near, far; /* m; 0: not given */
     double fov_deg, radius;
+    int reference;    /* ssfr_flow_method + 1; 0: the pass itself */
 } filter_options;
 
 #define ROW(...) SSFR_OPTION(filter_options, __VA_ARGS__)
@@ -31,6 +33,10 @@ static const ssfr_option rows[] = {
     ROW(far, "far", 0, NUMBER, "M", "the far plane of window depth, m (default: infinitely far)", 1e-9, 1e12),
     ROW(fov_deg, "fov", 0, NUMBER, "DEG", "full vertical field of view of the image (default 45)", 0.001, 179),
     ROW(radius, "radius", 0, NUMBER, "M", "particle radius, for passes that need one (default 0.02)", 1e-9, 1e9),
+    ROW(reference, "reference", 0, WORD, "none|rk8pd|msbdf",
+        "curvature_flow: in the place of its steps the flow that they approximate, by this solver, on the CPU: "
+        "explicit (up to 128x128 px) or implicit (up to 24x24 px, for stiff ones)",
+        0, 0),
     SSFR_OPTION_END,
 };
 
@@ -199,6 +205,38 @@ end:
     return result;
 }
 
+/* The flow without steps, in the place of what the pass made of the same input with the same coefficients. */
+static ssfr_result run_reference(const ssfr_graph *graph, int reference, ssfr_record *record)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_flow_method method = (ssfr_flow_method)(reference - 1);
+    const ssfr_run *run = ssfr_graph_last_run(graph, 0);
+    ssfr_flow_report r = {0};
+    if (!run) return SSFR_OK; /* there was nothing to do */
+    SSFR_TRY(ssfr_flow_run(run, method, SSFR_FLOW_TOLERANCE, &r));
+    const struct {
+        const char *name;
+        double number;
+    } items[] = {{"tolerance", SSFR_FLOW_TOLERANCE},       {"time", r.time},
+                 {"reached", r.reached},                   {"unknowns", (double)r.unknowns},
+                 {"steps", (double)r.steps},               {"failed", (double)r.failed},
+                 {"evaluations", (double)r.evaluations},   {"jacobians", (double)r.jacobians},
+                 {"crossings", (double)r.crossings},       {"flickers", (double)r.flickers},
+                 {"err", r.err}};
+    SSFR_TRY(ssfr_record_text(record, "reference", ssfr_flow_names[method]));
+    for (size_t i = 0; i < SSFR_COUNT(items); i++) {
+        char name[64];
+        snprintf(name, sizeof name, "reference.%s", items[i].name);
+        SSFR_TRY(ssfr_record_number(record, name, items[i].number));
+    }
+    printf("%s: %zu unknowns to %.9g of %.9g m^2, %zu steps, %zu failed, %zu evaluations, %zu Jacobians, "
+           "%zu crossings, %zu flickers, err %.3g m\n",
+           ssfr_flow_names[method], r.unknowns, r.reached, r.time, r.steps, r.failed, r.evaluations, r.jacobians,
+           r.crossings, r.flickers, r.err);
+end:
+    return result;
+}
+
 static ssfr_result save(const ssfr_setup *setup, const ssfr_pass *pass, const char *path, const ssfr_record *record)
 {
     ssfr_result result = SSFR_OK;
@@ -222,6 +260,8 @@ static ssfr_result check(const filter_options *options, const ssfr_pass *pass)
     if (pass->reach || !pass->inputs[0].name)
         return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: draws a scene and filters no image: use render", pass->name);
     SSFR_TRY(check_planes(options));
+    if (options->reference && strcmp(pass->name, "curvature_flow") != 0)
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "--reference: of curvature_flow only, not of %s", pass->name);
     SSFR_TRY(check_channels(&options->channels, pass));
 end:
     return result;
@@ -248,12 +288,14 @@ int ssfr_cmd_filter(int argc, char **argv)
     if (line.help) goto end;
     SSFR_TRY(ssfr_setup_find_pass(&pass, line.arguments.items[0]));
     SSFR_TRY(check(&options, pass));
+    if (options.reference) setup_options.backend = SSFR_BACKEND_CPU;
     SSFR_TRY(ssfr_setup_init(&setup, &setup_options, pass));
     SSFR_TRY(import_all(setup.graph, pass, &options, line.arguments.items[1], &in));
     SSFR_TRY(run_pass(setup.graph, &options, &in));
     SSFR_TRY(ssfr_record_program(&record, &setup, &line, argc, argv));
     SSFR_TRY(ssfr_record_number(&record, "camera.fov_deg", options.fov_deg));
     SSFR_TRY(ssfr_record_graph(&record, setup.graph));
+    if (options.reference) SSFR_TRY(run_reference(setup.graph, options.reference, &record));
     SSFR_TRY(save(&setup, pass, options.output, &record));
 end:
     ssfr_record_finish(&record);

@@ -117,8 +117,8 @@ static void a_plane_that_faces_the_viewer_stays(void **state)
 }
 
 /* z0 + a cos(kx x) cos(ky y), mirrored by the border, is a mode of the whole image: it falls by
- * exp(-T ((1 - cos kx) / C_x + (1 - cos ky) / C_y) / |z0|), and 1 - cos k is k^2 / 2 where k is small: diffusion with the
- * coefficient 1 / (2 C |z|) in pixels. What is not linear is a / (C |z|) as large, squared. */
+ * exp(-T ((1 - cos kx) / C_x + (1 - cos ky) / C_y) / |z0|), and 1 - cos k is k^2 / 2 where k is small: diffusion with
+ * the coefficient 1 / (2 C |z|) in pixels. What is not linear is a / (C |z|) as large, squared. */
 static void a_small_cosine_decays_as_diffusion_does(void **state)
 {
     static const int modes[][2] = {{1, 0}, {1, 1}, {5, 2}, {11, 8}};

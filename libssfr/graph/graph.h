@@ -8,8 +8,8 @@
 /* A graph of one node, the pass by itself. Its slots answer to the names of the pass's ports as well. */
 SSFR_MUST ssfr_result ssfr_graph_create_for_pass(ssfr_graph **out, const ssfr_pass *pass, ssfr_gl *gl);
 
-/* What the CPU twin of the i-th node had in the last frame: parameters, coefficients, inputs, outputs; the graph's until it
- * runs again. NULL for a node that was left out, past the end and on the GPU. */
+/* What the CPU twin of the i-th node had in the last frame: parameters, coefficients, inputs, outputs; the graph's
+ * until it runs again. NULL for a node that was left out, past the end and on the GPU. */
 const ssfr_run *ssfr_graph_last_run(const ssfr_graph *graph, int i);
 
 /* The name of the i-th input or output port of a pass, NULL past the end. */
