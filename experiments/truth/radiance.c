@@ -365,8 +365,8 @@ static double collocate(const course *c, const ssfr_collocation *rule, double a,
     return fabs(all - (deeper - depth));
 }
 
-/* A piece in which colours mix. Two polynomials that agree with each other and with the closed form of the depth will do,
- * which is most often so and costs no chord; where they do not, GSL's rule takes over. */
+/* A piece in which colours mix. Two polynomials that agree with each other and with the closed-form depth will do, as
+ * they mostly do without the cost of a chord; where they do not, GSL's rule takes over. */
 static ssfr_result add_mixed(sum *s, const ssfr_integrate_params *part, const double piece[2], double depth,
                              double deeper)
 {
