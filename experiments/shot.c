@@ -18,6 +18,7 @@ static const measure twin_measures[] = {
     {SSFR_COLUMN_twin_depth_max, SSFR_SHOT_DEPTH, "depth_max", false},
     {SSFR_COLUMN_twin_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg", false},
     {SSFR_COLUMN_twin_psnr, SSFR_SHOT_COLOUR, "psnr", false},
+    {SSFR_COLUMN_twin_flip, SSFR_SHOT_COLOUR, "flip", false},
 };
 
 static const measure method_measures[] = {
