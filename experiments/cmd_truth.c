@@ -126,6 +126,20 @@ end:
     return result;
 }
 
+/* A lone particle's density is below the level at which a surface is: who looks for it is told. */
+static void say_unseen(const ssfr_truth *truth)
+{
+    const ssfr_field *depth = truth->channels[SSFR_TRUTH_depth], *content = truth->channels[SSFR_TRUTH_content];
+    bool seen = !depth || !content, there = false;
+    for (size_t i = 0; !seen && i < (size_t)truth->w * (size_t)truth->h; i++) {
+        seen = depth->data[i] > -SSFR_SURFACE;
+        there = there || content->data[i] > 0;
+    }
+    if (!seen && there)
+        ssfr_log(SSFR_WARNING, "rays cross particles, but no surface: none is as dense as truth.level; "
+                               "truth.kind=spheres shows each particle");
+}
+
 static void say(const ssfr_truth_stats *s)
 {
     const double too_far = 10; /* GSL's estimates are no bounds */
@@ -156,16 +170,22 @@ end:
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
+static ssfr_truth_options options_of(const call *c)
+{
+    return (ssfr_truth_options){.every = (int)c->o->every, .seed = (uint64_t)c->line->seed,
+                                .cache = c->stage_options->cache, .no_cache = c->o->no_cache, .anew = c->o->anew,
+                                .progress = true};
+}
+
 /* The frame that the stage shows. */
 static ssfr_result cast(call *c, const char *output, const char *preview)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_truth_options options = {.every = (int)c->o->every, .seed = (uint64_t)c->line->seed,
-                                        .cache = c->stage_options->cache, .no_cache = c->o->no_cache,
-                                        .anew = c->o->anew, .progress = true};
+    const ssfr_truth_options options = options_of(c);
     ssfr_truth *truth = NULL;
     SSFR_TRY(ssfr_truth_create(&truth, c->stage, &c->params, &options));
     say(&truth->stats);
+    say_unseen(truth);
     if (output) SSFR_TRY(save(c, truth, output));
     if (preview) SSFR_TRY(ssfr_truth_preview(preview, truth));
     SSFR_TRY(print_estimates(c, truth));
@@ -235,6 +255,7 @@ static ssfr_result check(const call *c)
 {
     ssfr_result result = SSFR_OK;
     ssfr_truth_params params;
+    const ssfr_truth_options options = options_of(c);
     if (c->line->arguments.n == 0)
         return ssfr_fail(SSFR_ERR_VALUE, "too few arguments: usage: ssfr truth SCENE [-o FILE.exr]");
     if (c->o->no_cache && c->o->anew)
@@ -242,6 +263,7 @@ static ssfr_result check(const call *c)
     SSFR_TRY(check_name(c->o->output, c->o->frames, SSFR_OUTPUT_EXR, ".exr"));
     SSFR_TRY(check_name(c->o->preview, c->o->frames, SSFR_OUTPUT_PNG, ".png"));
     SSFR_TRY(set_all(&params, c->o, NULL));
+    SSFR_TRY(ssfr_truth_check(&params, &options));
 end:
     return result;
 }

@@ -3,9 +3,11 @@
  *
  * Square h has n_h pixels of N; one of them, drawn with equal chances, has the value y_h. The mean is estimated by
  * sum W_h y_h, W_h = n_h / N, without bias. One pixel tells nothing of the variance in its square, so neighbours are
- * taken together in pairs (Cochran 1977, Sampling Techniques, sec. 5A.12): (W_a y_a - W_b y_b)^2 is, in the mean, no
- * less than the variance of the two. A mean over the covered pixels is a ratio of two such means, whose variance is
- * that of the residuals y_h - R x_h, over the covered share (ibid., ch. 6). */
+ * taken together in pairs (Cochran 1977, Sampling Techniques, sec. 5A.12): E (W_a y_a - W_b y_b)^2 is the variance of
+ * the two, plus the square of what their means differ by. One draw of n_h has the variance of the n_h values itself, so
+ * that there is no correction for how few they are, but that a square of one pixel has no variance. A mean over the
+ * covered pixels is a ratio of two such means, whose variance is that of the residuals y_h - R x_h, over the covered
+ * share (ibid., ch. 6). */
 #include "experiments/truth/estimate.h"
 
 #include <float.h>
@@ -13,9 +15,11 @@
 
 /* A pixel of a square. */
 typedef struct sample {
-    int x, y;        /* px */
-    double share;    /* W_h */
-    double kept;     /* 1 - 1 / n_h: the share of the square that is not known */
+    int x, y;     /* px */
+    double share; /* W_h */
+    bool known;   /* the square has no other */
+    bool counts;  /* in the mean that is now taken, */
+    double d;     /* and what it adds to that mean's deviation: W_h (y_h - R x_h) over the mean of x */
 } sample;
 
 /* What a mean is of: counts says whether the pixel does, err bounds the value's error. */
@@ -87,18 +91,21 @@ static double luminance(const ssfr_truth *truth, int x, int y, double *counts, d
     return luminance_of(ssfr_field_at(truth->channels[SSFR_TRUTH_colour], x, y));
 }
 
+/* least, most: no mean is below or above. A share is of pixels that either are something or are not, or of light. */
 static const struct quantity {
     const char *name, *unit;
     unsigned part;
+    double least, most;
+    bool share;
     value_fn *value;
 } quantities[] = {
-    {"covered", "1", SSFR_TRUTH_SURFACE, covered},
-    {"depth", "m", SSFR_TRUTH_SURFACE, depth},
-    {"thickness", "m", SSFR_TRUTH_THICKNESS, thickness},
-    {"content", "m", SSFR_TRUTH_THICKNESS, content},
-    {"foam_luminance", "1", SSFR_TRUTH_FOAM, foam},
-    {"foam_opacity", "1", SSFR_TRUTH_FOAM, foam_opacity},
-    {"luminance", "1", SSFR_TRUTH_COLOUR, luminance},
+    {"covered", "1", SSFR_TRUTH_SURFACE, 0, 1, true, covered},
+    {"depth", "m", SSFR_TRUTH_SURFACE, -INFINITY, 0, false, depth},
+    {"thickness", "m", SSFR_TRUTH_THICKNESS, 0, INFINITY, false, thickness},
+    {"content", "m", SSFR_TRUTH_THICKNESS, 0, INFINITY, false, content},
+    {"foam_luminance", "1", SSFR_TRUTH_FOAM, 0, INFINITY, false, foam},
+    {"foam_opacity", "1", SSFR_TRUTH_FOAM, 0, 1, true, foam_opacity},
+    {"luminance", "1", SSFR_TRUTH_COLOUR, -INFINITY, INFINITY, false, luminance},
 };
 
 /* ---- the sample -------------------------------------------------------------------------------------------------- */
@@ -107,8 +114,7 @@ static const struct quantity {
 static sample find_sample(const ssfr_truth *truth, int x, int y)
 {
     const int w = ssfr_min_int(truth->every, truth->w - x), h = ssfr_min_int(truth->every, truth->h - y);
-    const double n = (double)w * h;
-    sample out = {.x = x, .y = y, .share = n / ((double)truth->w * truth->h), .kept = 1 - 1 / n};
+    sample out = {.x = x, .y = y, .share = (double)w * h / ((double)truth->w * truth->h), .known = w * h == 1};
     for (int i = 0; i < w * h; i++)
         if (*ssfr_field_at(truth->cast, x + i % w, y + i / w) > 0) out.x = x + i % w, out.y = y + i / w;
     return out;
@@ -124,51 +130,90 @@ static void list_samples(const ssfr_truth *truth, int squares_x, size_t n, sampl
     }
 }
 
-/* ---- the estimate ------------------------------------------------------------------------------------------------ */
+/* ---- the interval ------------------------------------------------------------------------------------------------ */
 
-/* The variance of the sum of d over these strata, if they were one; n >= 2. */
-static double collapse(size_t n, const double *d, const sample *samples)
+typedef struct spread {
+    double variance; /* of the sum of the d */
+    size_t degrees;  /* of freedom, that it is known with */
+    bool known;      /* there is none: the sample is all there is */
+} spread;
+
+/* Takes n strata for one, n >= 2. */
+static void collapse(size_t n, const sample *samples, spread *out)
 {
-    double mean = 0, sum = 0, kept = 0;
-    for (size_t i = 0; i < n; i++) mean += d[i] / (double)n, kept = fmax(kept, samples[i].kept);
-    for (size_t i = 0; i < n; i++) sum += ssfr_square(d[i] - mean);
-    return kept * sum * (double)n / (double)(n - 1);
+    double mean = 0, sum = 0;
+    bool known = true, counts = false;
+    for (size_t i = 0; i < n; i++) {
+        mean += samples[i].d / (double)n;
+        known = known && samples[i].known;
+        counts = counts || samples[i].counts;
+    }
+    if (known) return;
+    for (size_t i = 0; i < n; i++) sum += ssfr_square(samples[i].d - mean);
+    out->variance += sum * (double)n / (double)(n - 1);
+    out->degrees += counts ? n - 1 : 0;
+    out->known = false;
+}
+
+/* Of n pixels of which n_counting count. A ratio takes a degree of freedom for itself. */
+static spread spread_of(size_t n, const sample *samples, size_t n_counting)
+{
+    spread out = {.known = n > 1 || samples[0].known};
+    for (size_t i = 0; i + 1 < n;) {
+        const size_t group = n - i == 3 ? 3 : 2; /* an odd one joins the last pair */
+        collapse(group, samples + i, &out);
+        i += group;
+    }
+    if (out.degrees > 0 && n_counting < n) out.degrees--;
+    return out;
 }
 
 /* Half the width of the 95 % interval of sum d. */
-static double half_width(size_t n, const double *d, const sample *samples)
+static double half_width(const spread *s)
 {
-    double variance = 0;
-    size_t degrees = 0;
-    if (n == 1) return samples[0].kept > 0 ? INFINITY : 0;
-    for (size_t i = 0; i + 1 < n;) {
-        const size_t group = n - i == 3 ? 3 : 2; /* an odd one joins the last pair */
-        variance += collapse(group, d + i, samples + i);
-        degrees += group - 1;
-        i += group;
-    }
-    return gsl_cdf_tdist_Pinv(0.975, (double)degrees) * sqrt(variance);
+    if (s->known) return 0;
+    return s->degrees > 0 ? gsl_cdf_tdist_Pinv(0.975, (double)s->degrees) * sqrt(s->variance) : INFINITY;
 }
 
-static void estimate(const ssfr_truth *truth, const struct quantity *q, size_t n, const sample *samples, double *d,
-                     ssfr_estimate *out)
+/* A share p of the pixels that is like nothing in the sample: not to see any of it has a chance of prod (1 - p_h) <=
+ * exp(-p / W), where W is the largest W_h. This p has one of 2.5 %. */
+static double unseen_share(size_t n, const sample *samples)
+{
+    double largest = 0;
+    for (size_t i = 0; i < n; i++)
+        if (!samples[i].known) largest = fmax(largest, samples[i].share);
+    return -log(0.025) * largest;
+}
+
+/* ---- the estimate ------------------------------------------------------------------------------------------------ */
+
+static void set_interval(const struct quantity *q, double half, ssfr_estimate *out)
+{
+    out->low = out->value - half;
+    out->high = out->value + half;
+    if (out->low < q->least) out->low = q->least;
+    if (out->high > q->most) out->high = q->most;
+}
+
+static void estimate(const ssfr_truth *truth, const struct quantity *q, size_t n, sample *samples, ssfr_estimate *out)
 {
     double sum = 0, base = 0, wrong = 0, counts, err;
     *out = (ssfr_estimate){.quantity = q->name, .unit = q->unit};
     for (size_t i = 0; i < n; i++) {
-        sum += samples[i].share * q->value(truth, samples[i].x, samples[i].y, &counts, &err);
-        base += samples[i].share * counts;
-        wrong += samples[i].share * err;
-        out->n += counts > 0;
+        sample *s = &samples[i];
+        s->d = s->share * q->value(truth, s->x, s->y, &counts, &err);
+        s->counts = counts > 0;
+        sum += s->d;
+        base += s->share * counts;
+        wrong += s->share * err;
+        out->n += s->counts;
     }
     out->value = sum / base;
-    for (size_t i = 0; i < n; i++) {
-        const double y = q->value(truth, samples[i].x, samples[i].y, &counts, &err);
-        d[i] = samples[i].share * (y - out->value * counts) / base;
-    }
-    const double half = half_width(n, d, samples) + wrong / base + (double)n * DBL_EPSILON * fabs(out->value);
-    out->low = out->value - half;
-    out->high = out->value + half;
+    for (size_t i = 0; i < n; i++)
+        samples[i].d = (samples[i].d - (samples[i].counts ? samples[i].share * out->value : 0)) / base;
+    const spread spread = spread_of(n, samples, out->n);
+    const double seen = half_width(&spread), half = q->share ? fmax(seen, unseen_share(n, samples)) : seen;
+    set_interval(q, half + wrong / base + (double)n * DBL_EPSILON * fabs(out->value), out);
 }
 
 ssfr_result ssfr_truth_estimate(const ssfr_truth *truth, ssfr_estimate out[SSFR_MAX_ESTIMATES], int *n)
@@ -177,15 +222,12 @@ ssfr_result ssfr_truth_estimate(const ssfr_truth *truth, ssfr_estimate out[SSFR_
     const int squares_x = (truth->w + truth->every - 1) / truth->every;
     const size_t n_samples = (size_t)squares_x * (size_t)((truth->h + truth->every - 1) / truth->every);
     sample *samples = NULL;
-    double *d = NULL;
     *n = 0;
     SSFR_TRY(ssfr_alloc(&samples, n_samples, sizeof *samples, "a sample of pixels"));
-    SSFR_TRY(ssfr_alloc(&d, n_samples, sizeof *d, "a sample of pixels"));
     list_samples(truth, squares_x, n_samples, samples);
     for (size_t i = 0; i < SSFR_COUNT(quantities); i++)
-        if (truth->parts & quantities[i].part) estimate(truth, &quantities[i], n_samples, samples, d, &out[(*n)++]);
+        if (truth->parts & quantities[i].part) estimate(truth, &quantities[i], n_samples, samples, &out[(*n)++]);
 end:
     free(samples);
-    free(d);
     return result;
 }

@@ -12,7 +12,7 @@ static const double pi = 3.14159265358979323846;
 typedef struct view {
     ssfr_ray ray;
     double cosine;      /* between the ray and the view's axis */
-    double near, hidden; /* m: t of the near plane, and of the first solid or the floor; infinite for none */
+    double near, hidden; /* m: t of the near plane, and of the first solid or the floor; infinite for none that hides */
 } view;
 
 /* ---- what all rays have in common -------------------------------------------------------------------------------- */
@@ -23,6 +23,7 @@ ssfr_result ssfr_truth_scene_init(ssfr_truth_scene *out, const ssfr_stage *stage
     ssfr_result result = SSFR_OK;
     const ssfr_scene *scene = &stage->scene;
     *out = (ssfr_truth_scene){.params = params, .tiles = tiles, .scene = scene};
+    out->hides = params->cast.solids || params->cast.parts & SSFR_TRUTH_FOAM;
     SSFR_TRY(ssfr_continuum_init(&out->fluid, scene->particles, &params->fluid, &params->anisotropy));
     SSFR_TRY(ssfr_extinction_init(&out->foam, stage->foam, scene->particles->radius, out->fluid.origin,
                                   &params->extinction));
@@ -103,7 +104,7 @@ static view look_through(const ssfr_truth_scene *s, int x, int y)
         out.ray.dir[k] = (u * c->right[k] + v * c->up[k] - c->back[k]) / length;
     }
     ssfr_normalize(out.ray.dir); /* the camera's axes are so only up to a float's rounding, perhaps */
-    out.hidden = find_solid(s, &out.ray);
+    out.hidden = s->hides ? find_solid(s, &out.ray) : INFINITY;
     return out;
 }
 
@@ -277,7 +278,7 @@ static ssfr_result tell_colour(ssfr_truth_worker *w, const view *v, double *valu
     ssfr_lit lit;
     bool inside;
     ssfr_ray_at(&v->ray, v->near, ray.origin);
-    SSFR_TRY(ssfr_crossings_inside(&w->fluid, ray.origin, &inside));
+    SSFR_TRY(ssfr_crossings_inside(&w->crossings, &w->fluid, ray.origin, &inside));
     SSFR_TRY(ssfr_light_follow(ssfr_fluid_light_refractor(w->light), w->scene->around, &w->scene->params->path, &ray,
                                inside, &lit));
     memcpy(values + at[SSFR_TRUTH_colour], lit.colour, sizeof lit.colour);

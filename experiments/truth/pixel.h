@@ -15,6 +15,7 @@ typedef struct ssfr_truth_scene {
     ssfr_continuum fluid;
     ssfr_extinction foam;
     ssfr_surroundings *around;
+    bool hides;    /* solids and the floor hide any of what is cast */
     double eye[3]; /* m, relative to the fluid's origin */
 } ssfr_truth_scene;
 

@@ -10,6 +10,7 @@
 #include "base/param.h"
 
 #include <omp.h>
+#include <time.h>
 
 /* One call. */
 typedef struct casting {
@@ -19,6 +20,7 @@ typedef struct casting {
     ssfr_tile_file file;
     unsigned char *done;  /* of each tile */
     size_t n_done, n_recalled;
+    ssfr_result failed;   /* the first thing that did */
     ssfr_truth_scene scene;
     int n_workers;
     ssfr_truth_worker *workers;
@@ -98,16 +100,24 @@ end:
     return result;
 }
 
+/* s, of the thread that asks: others that the machine runs meanwhile do not count. */
+static double thread_seconds(void)
+{
+    struct timespec now = {0};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 static ssfr_result cast_pixels(ssfr_truth_worker *worker, const ssfr_tiles *tiles, int tile, double *values,
                                ssfr_truth_tally *tally)
 {
     ssfr_result result = SSFR_OK;
     int pixels[SSFR_TRUTH_TILE_PIXELS][2];
     const int n = ssfr_tiles_pixels(tiles, tile, pixels);
-    const double begun = ssfr_clock();
+    const double begun = thread_seconds();
     for (int p = 0; p < n && result == SSFR_OK; p++)
         result = ssfr_truth_pixel(worker, pixels[p][0], pixels[p][1], values + p * tiles->n_values, tally);
-    tally->seconds = ssfr_clock() - begun;
+    tally->seconds = thread_seconds() - begun;
     return result;
 }
 
@@ -118,47 +128,52 @@ static void show_progress(const casting *c)
         ssfr_console_progress("truth", c->n_done - c->n_recalled, (size_t)c->tiles.n - c->n_recalled);
 }
 
-/* A tile into the image and the file; another thread may do the same with another tile. */
-static ssfr_result cast_tile(casting *c, int tile)
+/* Into the file and the image. */
+static ssfr_result keep_tile(casting *c, int tile, const double *values, const ssfr_truth_tally *tally)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_tile_file_write(&c->file, tile, values, tally));
+    store_tile(c, tile, values);
+    count_tile(c, tally);
+    show_progress(c);
+end:
+    return result;
+}
+
+/* Other threads cast others. They are kept one by one: of a disk that is full only the first of them tells. */
+static void cast_tile(casting *c, int tile)
 {
     ssfr_result result = SSFR_OK;
     ssfr_truth_tally tally = {0};
     double *values = NULL;
     SSFR_TRY(ssfr_alloc(&values, (size_t)(SSFR_TRUTH_TILE_PIXELS * c->tiles.n_values), sizeof *values, "a tile"));
     SSFR_TRY(cast_pixels(&c->workers[omp_get_thread_num()], &c->tiles, tile, values, &tally));
-    SSFR_TRY(ssfr_tile_file_write(&c->file, tile, values, &tally));
-    store_tile(c, tile, values);
-#pragma omp critical(ssfr_truth)
-    {
-        count_tile(c, &tally);
-        show_progress(c);
-    }
 end:
+#pragma omp critical(ssfr_truth)
+    if (c->failed == SSFR_OK) {
+        if (result == SSFR_OK) result = keep_tile(c, tile, values, &tally);
+#pragma omp atomic write
+        c->failed = result;
+    }
     free(values);
-    return result;
 }
 
 /* The first thing that goes wrong ends the work of all. */
 static ssfr_result cast_tiles(casting *c)
 {
-    ssfr_result first = SSFR_OK;
     show_progress(c);
 #pragma omp parallel for schedule(dynamic) num_threads(c->n_workers)
     for (int i = 0; i < c->tiles.n; i++) {
-        ssfr_result so_far, result = SSFR_OK;
+        ssfr_result failed;
 #pragma omp atomic read
-        so_far = first;
-        if (c->done[i] || so_far != SSFR_OK || ssfr_interrupt_came()) continue;
-        result = cast_tile(c, i);
-        if (result == SSFR_OK) continue;
-#pragma omp atomic write
-        first = result;
+        failed = c->failed;
+        if (!c->done[i] && failed == SSFR_OK && !ssfr_interrupt_came()) cast_tile(c, i);
     }
     if (c->options->progress) ssfr_console_progress("truth", 1, 1);
-    if (first == SSFR_OK && c->n_done < (size_t)c->tiles.n)
-        first = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %d tiles%s", c->n_done, c->tiles.n,
-                          c->file.path ? ": the same command goes on from there" : ", which nothing keeps");
-    return first;
+    if (c->failed == SSFR_OK && c->n_done < (size_t)c->tiles.n)
+        c->failed = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %d tiles%s", c->n_done, c->tiles.n,
+                              c->file.path ? ": the same command goes on from there" : ", which nothing keeps");
+    return c->failed;
 }
 
 static double bytes_of(const ssfr_truth_scene *scene)
@@ -179,7 +194,7 @@ end:
 
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
 
-static ssfr_result check(const ssfr_truth_params *params, const ssfr_truth_options *options)
+ssfr_result ssfr_truth_check(const ssfr_truth_params *params, const ssfr_truth_options *options)
 {
     if (params->cast.parts == 0) return ssfr_fail(SSFR_ERR_VALUE, "truth.parts=none: there is nothing to cast");
     if (options->every < 1 || options->every > SSFR_MAX_SIZE)
@@ -221,7 +236,7 @@ ssfr_result ssfr_truth_create(ssfr_truth **out, const ssfr_stage *stage, const s
     const ssfr_camera *camera = &stage->scene.camera;
     casting c = {.options = options};
     *out = NULL;
-    SSFR_TRY(check(params, options));
+    SSFR_TRY(ssfr_truth_check(params, options));
     SSFR_TRY(ssfr_alloc(&c.truth, 1, sizeof *c.truth, "ground truth"));
     c.truth->w = camera->w, c.truth->h = camera->h;
     c.truth->parts = params->cast.parts, c.truth->every = options->every;

@@ -84,7 +84,7 @@ typedef struct ssfr_truth_stats {
     size_t rays, crossings, touches, judged; /* of view rays, not of those that light takes */
     double judged_max;    /* m, the largest disagreement of the closed form with GSL's integral */
     double judged_ratio;  /* the same over the sum of both estimates: GSL's is no bound, but far above 1 one is wrong */
-    double seconds;       /* that casting took all threads together, also before it was stopped and resumed */
+    double seconds;       /* of one core, for casting all of it, also what was cast before */
     double bytes;         /* of the fluid's and the foam's arrays; 0 when nothing had to be cast */
     bool cached;          /* nothing had to be cast */
 } ssfr_truth_stats;
@@ -98,6 +98,8 @@ typedef struct ssfr_truth {
     ssfr_truth_stats stats;
 } ssfr_truth;
 
+/* What no stage can be cast with: for who wants to know before there is one. */
+SSFR_MUST ssfr_result ssfr_truth_check(const ssfr_truth_params *params, const ssfr_truth_options *options);
 /* Casts tile by tile with all threads; the bits are the same for any number of them. Tiles that are done stand in the
  * cache: who was interrupted (SIGINT or SIGTERM: it then fails) goes on there. */
 SSFR_MUST ssfr_result ssfr_truth_create(ssfr_truth **out, const ssfr_stage *stage, const ssfr_truth_params *params,

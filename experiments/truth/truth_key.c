@@ -85,12 +85,13 @@ static uint64_t add_world(uint64_t hash, const ssfr_world *world, const ssfr_fie
                        environment->data);
 }
 
-/* The integrator counts for surfaces alone, too: their rows in the table are few, and so the key stays simple. */
+/* A surface alone has no integrals. */
 static uint64_t add_casting(uint64_t hash, const ssfr_truth_cast_params *c)
 {
-    const double numbers[] = {c->parts, c->integrator, c->eps_abs, c->eps_rel, c->points, c->steps, c->judged,
-                              c->solids};
-    return add_numbers(hash, SSFR_COUNT(numbers), numbers);
+    const double always[] = {c->parts, c->solids};
+    const double integrals[] = {c->integrator, c->eps_abs, c->eps_rel, c->points, c->steps, c->judged};
+    hash = add_numbers(hash, SSFR_COUNT(always), always);
+    return c->parts & ~(unsigned)SSFR_TRUTH_SURFACE ? add_numbers(hash, SSFR_COUNT(integrals), integrals) : hash;
 }
 
 uint64_t ssfr_truth_key(const ssfr_stage *stage, const ssfr_truth_params *params, const ssfr_truth_options *options)
