@@ -394,8 +394,7 @@ static void spheres_that_overlap_are_one_body_and_those_that_just_touch_are_a_to
         assert_int_equal(found->n_touches, pairs[i].n_touches);
         assert_close(found->items[found->n - 1].t, 4 + pairs[i].apart, 1e-14, 0);
         if (pairs[i].n_touches) {
-            assert_close(found->touch, 4, 1e-14, 0);
-            assert_true(found->touched > 0 && found->touched < 1e-13);
+            assert_true(found->touch < 4 && found->touch + found->touched > 4 && found->touched < 1e-13);
         }
         finish(&c);
         ssfr_continuum_finish(&fluid);
@@ -634,7 +633,7 @@ static void a_mean_that_begins_in_the_middle_is_crossed_where_it_begins(void **s
     assert_close(found->items[0].t, 1.4, found->items[0].t_err, 0);
     assert_close(found->items[1].t, 2.6, found->items[1].t_err, 0);
     for (int i = 0; i < 2; i++) {
-        assert_true(found->items[i].t_err < 1e-11);
+        assert_true(found->items[i].t_err < SSFR_CROSSINGS_EPS);
         assert_close(sqrt(ssfr_dot(found->items[i].normal, found->items[i].normal)), 1, 1e-15, 0);
         assert_true(found->items[i].normal_err > 1);
     }
@@ -708,18 +707,18 @@ static void a_place_is_inside_where_the_field_says_so(void **state)
         size_t n_inside = 0;
         scatter(60, 4 * radius, &seed);
         ssfr_continuum fluid = fluid_of(60, (ssfr_continuum_kind)kind, 2);
-        ssfr_line line;
-        ssfr_line_init(&line, &fluid);
+        caster c;
+        begin(&c, &fluid);
         for (int i = 0; i < 300; i++) {
             ssfr_ray at = {{0, 0, 0}, {1, 0, 0}};
             bool inside;
             for (int j = 0; j < 3; j++) at.origin[j] = test_random(&seed, -6 * radius, 6 * radius);
-            assert_int_equal(ssfr_crossings_inside(&line, at.origin, &inside), SSFR_OK);
+            assert_int_equal(ssfr_crossings_inside(&c.crossings, &c.line, at.origin, &inside), SSFR_OK);
             assert_int_equal(inside, field(&fluid, &at, 0, NULL) > 0);
             n_inside += inside;
         }
         assert_in_range(n_inside, 20, 280);
-        ssfr_line_finish(&line);
+        finish(&c);
         ssfr_continuum_finish(&fluid);
     }
 }
@@ -891,7 +890,7 @@ static void a_fluid_that_is_nowhere_is_never_crossed(void **state)
         assert_int_equal(found->n_touches, 0);
         assert_false(found->begins_inside);
         assert_false(find_first(&c, &ray, INFINITY, false, &first));
-        assert_int_equal(ssfr_crossings_inside(&c.line, ray.origin, &inside), SSFR_OK);
+        assert_int_equal(ssfr_crossings_inside(&c.crossings, &c.line, ray.origin, &inside), SSFR_OK);
         assert_false(inside);
         finish(&c);
         ssfr_continuum_finish(&fluid);
@@ -931,7 +930,7 @@ static ssfr_result try_all(const ssfr_continuum *fluid, const ssfr_ray *ray)
     SSFR_TRY(ssfr_line_cast(&c.line, ray, 0, INFINITY));
     SSFR_TRY(ssfr_crossings_find(&c.crossings, &c.line));
     SSFR_TRY(ssfr_crossings_first(&c.crossings, &c.line, ray, INFINITY, false, &first, &answer));
-    SSFR_TRY(ssfr_crossings_inside(&c.line, ray->origin, &answer));
+    SSFR_TRY(ssfr_crossings_inside(&c.crossings, &c.line, ray->origin, &answer));
 end:
     finish(&c);
     return result;

@@ -193,9 +193,12 @@ static void an_eye_in_the_water_sees_out(void **state)
     const ssfr_ray ray = ray_towards(&r, from, to, 0);
     const ssfr_lit lit = follow(&r, &ray, true);
     ssfr_line line;
+    ssfr_crossings crossings;
     ssfr_line_init(&line, &r.fluid);
-    assert_int_equal(ssfr_crossings_inside(&line, ray.origin, &inside), SSFR_OK);
+    assert_int_equal(ssfr_crossings_init(&crossings), SSFR_OK);
+    assert_int_equal(ssfr_crossings_inside(&crossings, &line, ray.origin, &inside), SSFR_OK);
     assert_true(inside);
+    ssfr_crossings_finish(&crossings);
     ssfr_line_finish(&line);
     const double t = asin(0.1 / 0.385), i = asin(1.333 * sin(t)), way = 0.385 * cos(t);
     const double share = ssfr_fresnel(cos(t), 1 / 1.333);

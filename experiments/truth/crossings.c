@@ -76,7 +76,7 @@ static void touch(ssfr_crossings *crossings, double at, double length)
 /* Up to `at` all is decided, but for a zone in front of it where rounding hides on which side of the surface it is. */
 typedef struct walk {
     ssfr_crossings *out;
-    ssfr_span *span;   /* NULL for spheres */
+    ssfr_span *span;   /* not for spheres */
     const ssfr_line *line;
     double at;         /* m */
     int side;          /* 1: inside; -1: outside; 0: in a zone */
@@ -264,13 +264,13 @@ end:
 static ssfr_result walk_span(walk *w, double to)
 {
     ssfr_result result = SSFR_OK;
-    const double length = step_length * w->line->fluid->support;
+    const double length = fmax(step_length * w->line->fluid->support, w->line->digits); /* or t would stay as it is */
     ssfr_span_begin(w->span, w->line);
     while (w->at < to && !is_done(w)) {
         double end = fmin(to, w->at + length);
         SSFR_TRY(ssfr_span_move(w->span, w->at, end));
         if (w->span->n == 0) { /* nothing is here */
-            end = fmin(to, fmax(end, ssfr_span_next(w->span) - 2 * w->line->digits));
+            end = fmin(to, fmax(end, ssfr_span_next(w->span) - w->line->margin));
             SSFR_TRY(settle(w, -1, w->at));
             w->at = end;
         } else
@@ -282,44 +282,39 @@ end:
 
 /* ---- spheres: the union of chords -------------------------------------------------------------------------------- */
 
-/* The part of the ray in a ball, which it may miss when it grazes. */
-typedef struct chord {
-    double enters, leaves; /* m */
-    double err;            /* m, of both */
-    bool grazes;
-} chord;
-
-/* Half a chord is sqrt(1 - near2) radii. */
-static chord chord_of(const ssfr_line *line, const ssfr_line_kernel *k)
-{
-    const double support = line->fluid->support, off = line->digits / support;
-    const double doubt = (2 + off) * off + 4 * DBL_EPSILON, left = 1 - k->near2;
-    const double half = support * sqrt(left), most = support * sqrt(left + doubt);
-    const double least = left > doubt ? support * sqrt(left - doubt) : 0;
-    const double rounding = line->digits + 2 * DBL_EPSILON * (fabs(k->middle) + support);
-    return (chord){k->middle - half, k->middle + half, fmax(most - half, half - least) + rounding, left <= doubt};
-}
-
-/* Where a ball is entered or left. */
+/* Where the union of balls is entered or left: between lo and hi. */
 typedef struct rim {
     const ssfr_line_kernel *ball; /* NULL: none yet */
-    double t, err;                /* m */
+    double t, lo, hi;             /* m */
     bool shared;                  /* with another ball, but for rounding: whose normal it is is not known */
 } rim;
+
+static rim rim_of(const ssfr_line_kernel *ball, double t, double err)
+{
+    return (rim){ball, t, t - err, t + err, false};
+}
 
 static ssfr_result cross_rim(walk *w, const rim *at, bool enters)
 {
     ssfr_result result = SSFR_OK;
     ssfr_crossing *item = NULL;
-    const double off = (at->err + w->line->digits) / w->line->fluid->support + 8 * DBL_EPSILON;
+    const double err = fmax(at->t - at->lo, at->hi - at->t), support = w->line->fluid->support;
+    const double off = (err + w->line->digits) / support + 8 * DBL_EPSILON;
     SSFR_TRY(append(w->out, &item));
-    *item = (ssfr_crossing){.t = at->t, .t_err = at->err, .enters = enters,
+    *item = (ssfr_crossing){.t = at->t, .t_err = err, .enters = enters,
                             .normal_err = off < 1 && !at->shared ? asin(off) : M_PI};
     for (int c = 0; c < 3; c++) item->normal[c] = at->ball->aside[c] + (at->t - at->ball->middle) * w->line->ray.dir[c];
     ssfr_normalize(item->normal);
     w->side = enters ? 1 : -1;
 end:
     return result;
+}
+
+/* A place where balls only touch each other or the ray, if it is on the way to `to`. */
+static void touch_between(walk *w, double lo, double hi, double to)
+{
+    lo = fmax(lo, w->at), hi = fmin(hi, to);
+    if (lo < hi) touch(w->out, lo, hi - lo);
 }
 
 /* Balls that hang together along the line, from where the first is entered to where the last is left. */
@@ -334,41 +329,51 @@ static ssfr_result pass_chain(walk *w, const chain *c, double to)
     const rim *rims[2] = {&c->first, &c->last};
     if (!c->first.ball) return SSFR_OK;
     for (int i = 0; w->side == 0 && i < 2; i++)
-        if (fabs(rims[i]->t - w->at) <= rims[i]->err) touch(w->out, w->at, rims[i]->err);
+        if (rims[i]->lo <= w->at) touch_between(w, w->at, rims[i]->hi, to);
     if (c->last.t <= w->at) return SSFR_OK;
     if (w->side == 0) w->side = c->first.t <= w->at ? 1 : -1, w->out->begins_inside = w->side > 0;
     if (c->first.t < to && w->side < 0) SSFR_TRY(cross_rim(w, &c->first, true));
     if (c->last.t < to && w->side > 0) SSFR_TRY(cross_rim(w, &c->last, false));
+    for (int i = 0; i < 2; i++)
+        if (rims[i]->t >= to) touch_between(w, rims[i]->lo, rims[i]->hi, to);
 end:
     return result;
 }
 
-static void share(rim *a, const rim *b)
+/* The chain is entered where the first of its balls is, and left where the last of them is. A ball that may not be
+ * there at all, as the ray grazes it, can only make it longer. */
+static void extend(chain *c, const rim *enters, const rim *leaves, bool grazes)
 {
-    a->err = fmax(a->err, b->err) + fabs(a->t - b->t);
-    a->shared = true;
+    rim *first = &c->first, *last = &c->last;
+    const rim before = *last;
+    first->shared |= enters->lo <= first->hi;
+    first->lo = fmin(first->lo, enters->lo);
+    if (!grazes) first->hi = fmin(first->hi, enters->hi);
+    if (!grazes && leaves->t > before.t) *last = *leaves;
+    last->shared = (leaves->lo <= before.hi && leaves->hi >= before.lo) || (last->ball == before.ball && before.shared);
+    last->lo = grazes ? before.lo : fmax(before.lo, leaves->lo);
+    last->hi = fmax(before.hi, leaves->hi);
 }
 
 /* Takes the next ball into the chain; where it does not belong there the chain is passed and begins anew. */
 static ssfr_result add_ball(walk *w, chain *c, const ssfr_line_kernel *k, double to)
 {
     ssfr_result result = SSFR_OK;
-    const chord ball = chord_of(w->line, k);
-    const rim enters = {k, ball.enters, ball.err, false}, leaves = {k, ball.leaves, ball.err, false};
-    const double gap = c->last.ball ? ball.enters - c->last.t : INFINITY, doubt = ball.err + c->last.err;
-    if (ball.grazes && gap > -doubt) {
-        touch(w->out, ball.enters, ball.leaves - ball.enters + 2 * ball.err);
+    bool grazes;
+    const double err = ssfr_line_rim_err(w->line, k, &grazes);
+    const rim enters = rim_of(k, k->enters, err), leaves = rim_of(k, k->leaves, err);
+    const bool apart = !c->last.ball || enters.lo > c->last.hi, within = c->last.ball && enters.hi < c->last.lo;
+    if (grazes && !within) {
+        touch_between(w, enters.lo, leaves.hi, to);
         return SSFR_OK;
     }
-    if (gap > doubt) {
+    if (apart) {
         SSFR_TRY(pass_chain(w, c, to));
         *c = (chain){enters, leaves};
         return SSFR_OK;
     }
-    if (gap >= -doubt) touch(w->out, c->last.t, doubt);
-    if (ball.enters - c->first.t <= ball.err + c->first.err) share(&c->first, &enters);
-    if (fabs(ball.leaves - c->last.t) <= doubt) share(&c->last, &leaves);
-    else if (ball.leaves > c->last.t) c->last = leaves;
+    if (!within) touch_between(w, enters.lo, c->last.hi, to);
+    extend(c, &enters, &leaves, grazes);
 end:
     return result;
 }
@@ -389,6 +394,7 @@ end:
 
 static ssfr_result walk_on(walk *w, double to)
 {
+    if (w->line->hidden > 0) touch(w->out, w->line->hidden_at, w->line->hidden); /* from there on, somewhere */
     return w->line->fluid->kind == SSFR_CONTINUUM_SPHERES ? walk_spheres(w, to) : walk_span(w, to);
 }
 
@@ -397,7 +403,7 @@ static double end_of(const ssfr_line *line)
 {
     double end = line->from;
     for (size_t i = 0; i < line->n; i++) end = fmax(end, line->kernels[i].leaves);
-    return fmin(line->to, end + 4 * line->digits);
+    return fmin(line->to, end + 2 * line->margin);
 }
 
 ssfr_result ssfr_crossings_find(ssfr_crossings *crossings, const ssfr_line *line)
@@ -410,14 +416,13 @@ ssfr_result ssfr_crossings_find(ssfr_crossings *crossings, const ssfr_line *line
     SSFR_TRY(walk_on(&w, end_of(line)));
     if (w.side == 0 && w.at < line->to) SSFR_TRY(settle(&w, -1, w.at)); /* nothing is behind */
     if (w.side == 0 && w.at > w.zone) touch(crossings, w.zone, w.at - w.zone);
-    if (line->hidden > 0) touch(crossings, line->from, line->hidden); /* somewhere behind */
 end:
     crossings->evaluations = span->evaluations - begun;
     return result;
 }
 
 /* Walks the very beginning. A ray that is through with it on another side than it was said to begin on has crossed the
- * surface there: *out is where. */
+ * surface there: *out is where. That it touches the surface that it begins on says nothing. */
 static ssfr_result begin(walk *w, double to, bool inside, ssfr_crossing *out, bool *found)
 {
     ssfr_result result = SSFR_OK;
@@ -432,7 +437,7 @@ static ssfr_result begin(walk *w, double to, bool inside, ssfr_crossing *out, bo
         *out = (ssfr_crossing){.t = 0.5 * to, .t_err = 0.5 * to, .enters = !inside};
         guess_normal(out, &w->line->ray);
     }
-    crossings->n = 0;
+    forget(crossings);
 end:
     return result;
 }
@@ -464,22 +469,20 @@ end:
     return result;
 }
 
-ssfr_result ssfr_crossings_inside(ssfr_line *line, const double at[3], bool *inside)
+ssfr_result ssfr_crossings_inside(ssfr_crossings *crossings, ssfr_line *line, const double at[3], bool *inside)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_span span;
+    ssfr_span *span = crossings->work;
     const ssfr_ray ray = {{at[0], at[1], at[2]}, {1, 0, 0}};
-    ssfr_span_init(&span);
     *inside = false;
     SSFR_TRY(ssfr_line_cast(line, &ray, 0, start_length * line->fluid->support));
     if (line->fluid->kind == SSFR_CONTINUUM_SPHERES) {
         *inside = ssfr_line_density(line, 0) > 0;
     } else {
-        ssfr_span_begin(&span, line);
-        SSFR_TRY(ssfr_span_move(&span, 0, 0));
-        *inside = ssfr_span_at(&span, 0).value > 0;
+        ssfr_span_begin(span, line);
+        SSFR_TRY(ssfr_span_move(span, 0, 0));
+        *inside = ssfr_span_at(span, 0).value > 0;
     }
 end:
-    ssfr_span_finish(&span);
     return result;
 }

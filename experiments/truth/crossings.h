@@ -38,6 +38,7 @@ SSFR_MUST ssfr_result ssfr_crossings_first(ssfr_crossings *crossings, ssfr_line 
                                            bool inside, ssfr_crossing *out, bool *found);
 
 /* Whether a place (m, relative to the fluid's origin) is in the fluid. */
-SSFR_MUST ssfr_result ssfr_crossings_inside(ssfr_line *line, const double at[3], bool *inside);
+SSFR_MUST ssfr_result ssfr_crossings_inside(ssfr_crossings *crossings, ssfr_line *line, const double at[3],
+                                            bool *inside);
 
 #endif

@@ -2,7 +2,10 @@
 /* line.c: the kernels along a ray, in the order in which it enters them. */
 #include "experiments/truth/line.h"
 
+#include "experiments/truth/sum.h"
+
 #include <float.h>
+#include <gsl/gsl_heapsort.h>
 
 /* What a place along the ray that is measured from its origin may be off by, relative to the longest of what it is made
  * of: three products and their sum, the place itself, and the kernel's own place. */
@@ -54,7 +57,8 @@ end:
 }
 
 /* Where the ray is nearest to the kernel as that measures distances, and how fast it is there. Measured from the place
- * that is nearest in metres: stretching then magnifies no rounding. */
+ * that is nearest in metres: stretching then magnifies no rounding. No direction is stretched by more than Frobenius'
+ * norm. */
 static void measure_stretched(const double inverse[6], double support, const double dir[3], ssfr_line_kernel *k)
 {
     const double *m = inverse, *o = k->aside;
@@ -66,6 +70,7 @@ static void measure_stretched(const double inverse[6], double support, const dou
     const double nearest[3] = {p[0] + further * v[0], p[1] + further * v[1], p[2] + further * v[2]};
     k->near2 = ssfr_dot(nearest, nearest) / (support * support);
     k->stretch = speed2 / (support * support);
+    k->steep = sqrt(m[0] * m[0] + m[3] * m[3] + m[5] * m[5] + 2 * (m[1] * m[1] + m[2] * m[2] + m[4] * m[4])) / support;
     k->middle += further;
     for (int c = 0; c < 3; c++) k->aside[c] += further * dir[c];
 }
@@ -74,21 +79,40 @@ typedef struct gathering {
     ssfr_line *line;
     ssfr_result result;
     double farthest; /* m from the ray's origin to where it is nearest to a kernel */
+    double widest2;  /* m^2, from there to the kernel's middle */
 } gathering;
 
-/* Spheres of which rounding may hide that the ray meets them, just so. */
-static void note_hidden(ssfr_line *line, double middle, double near2)
+static double from_origin(const ssfr_ray *ray)
 {
+    return fabs(ray->origin[0]) + fabs(ray->origin[1]) + fabs(ray->origin[2]);
+}
+
+/* What a squared distance in supports may be off by when places are by `off` supports. */
+static double doubt_of(double off)
+{
+    return (2 + off) * off + 4 * DBL_EPSILON;
+}
+
+/* A kernel that is not among the line's. Rounding may hide that it is met after all, just so: where the surface is its
+ * rim that counts. */
+static void note_hidden(ssfr_line *line, const ssfr_line_kernel *k)
+{
+    const ssfr_continuum_kind kind = line->fluid->kind;
     const double support = line->fluid->support;
-    double from_origin = 0;
-    for (int c = 0; c < 3; c++) from_origin += fabs(line->ray.origin[c]);
-    const double off = place_error * (from_origin + fabs(middle) + support) / support;
-    if (near2 < 1 + 4 * off) line->hidden += 2 * support * sqrt(4 * off);
+    const double off = place_error * (from_origin(&line->ray) + fabs(k->middle) + support) / support;
+    const double left = 1 - k->near2 + doubt_of(off);
+    if ((kind != SSFR_CONTINUUM_SPHERES && kind != SSFR_CONTINUUM_ZHU_BRIDSON) || left <= 0) return;
+    const double half = (sqrt(left) + off) * support;
+    const double enters = fmax(k->middle - half, line->from), leaves = fmin(k->middle + half, line->to);
+    if (enters >= leaves) return;
+    line->hidden += leaves - enters;
+    line->hidden_at = fmin(line->hidden_at, enters);
 }
 
 /* What of the ray lies in the kernel, and whether that is a part of the line. */
 static bool meet(const ssfr_line *line, ssfr_line_kernel *k)
 {
+    if (!(k->near2 < 1)) return false;
     const double half = sqrt((1 - k->near2) / k->stretch);
     k->enters = k->middle - half;
     k->leaves = k->middle + half;
@@ -102,7 +126,7 @@ static bool gather(void *user, uint32_t begin, uint32_t end)
     const ssfr_continuum *fluid = line->fluid;
     const ssfr_ray ray = line->ray;
     const double support = fluid->support, per_support2 = 1 / (support * support);
-    double farthest = g->farthest, longest = line->longest;
+    double farthest = g->farthest, longest = line->longest, widest2 = g->widest2;
     g->result = reserve(line, end - begin);
     if (g->result != SSFR_OK) return false;
     ssfr_line_kernel *next = line->kernels + line->n;
@@ -110,25 +134,27 @@ static bool gather(void *user, uint32_t begin, uint32_t end)
         const double *centre = fluid->centre[i];
         const double to[3] = {ray.origin[0] - centre[0], ray.origin[1] - centre[1], ray.origin[2] - centre[2]};
         const double middle = -ssfr_dot(to, ray.dir), far = fabs(middle);
-        ssfr_line_kernel k = {.middle = middle, .stretch = per_support2, .weight = fluid->weight, .index = i};
+        ssfr_line_kernel k = {.middle = middle, .stretch = per_support2, .steep = 1 / support,
+                              .weight = fluid->weight, .index = i};
         for (int c = 0; c < 3; c++) k.aside[c] = to[c] + middle * ray.dir[c];
         k.near2 = ssfr_dot(k.aside, k.aside) * per_support2;
-        farthest = far > farthest ? far : farthest;
         if (fluid->inverse) {
             k.weight = fluid->weights[i];
             measure_stretched(fluid->inverse[i], support, ray.dir, &k);
         }
-        if (!(k.near2 < 1)) {
-            if (!fluid->radial) note_hidden(line, middle, k.near2);
+        if (!meet(line, &k)) {
+            note_hidden(line, &k);
             continue;
         }
-        if (!meet(line, &k)) continue;
+        const double wide2 = ssfr_dot(k.aside, k.aside);
+        farthest = far > farthest ? far : farthest;
+        widest2 = wide2 > widest2 ? wide2 : widest2;
         longest = k.leaves - k.enters > longest ? k.leaves - k.enters : longest;
         *next++ = k;
     }
     line->n = (size_t)(next - line->kernels);
     line->longest = longest;
-    g->farthest = farthest;
+    g->farthest = farthest, g->widest2 = widest2;
     return true;
 }
 
@@ -158,7 +184,7 @@ static void insert_each(key *keys, size_t n)
  * lie there evenly enough, then each stretch. `begins` has n + 1 places. */
 static void sort(key *keys, key *spare, uint32_t *begins, size_t n)
 {
-    enum { FEW = 24 }; /* below that inserting beats qsort */
+    enum { FEW = 24 }; /* below that inserting beats a heap, which unlike qsort takes no memory */
     double lo = INFINITY, hi = -INFINITY;
     for (size_t i = 0; i < n; i++) lo = keys[i].at < lo ? keys[i].at : lo, hi = keys[i].at > hi ? keys[i].at : hi;
     const double per_m = hi - lo > DBL_MIN * (double)n ? (double)n / (hi - lo) : 0;
@@ -172,7 +198,7 @@ static void sort(key *keys, key *spare, uint32_t *begins, size_t n)
     for (size_t i = 0, begin = 0; i < n; begin = begins[i++]) {
         const size_t count = begins[i] - begin;
         if (count > FEW)
-            qsort(spare + begin, count, sizeof *spare, compare);
+            gsl_heapsort(spare + begin, count, sizeof *spare, compare);
         else
             insert_each(spare + begin, count);
     }
@@ -191,22 +217,34 @@ static void put_in_order(ssfr_line *line)
     line->kernels = kernels;
 }
 
+/* The most that any kernel's enters and leaves are off by. */
+static double find_margin(const ssfr_line *line)
+{
+    const size_t n = line->fluid->inverse || line->n == 0 ? line->n : 1; /* else all are alike */
+    double most = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double off = line->digits * line->kernels[i].steep;
+        most = fmax(most, (sqrt(doubt_of(off)) + off) / sqrt(line->kernels[i].stretch));
+    }
+    return most + line->digits;
+}
+
 ssfr_result ssfr_line_cast(ssfr_line *line, const ssfr_ray *ray, double from, double to)
 {
     gathering g = {.line = line};
-    double from_origin = 0; /* m, of the fluid */
     line->ray = *ray;
     line->from = from;
     line->to = to;
     line->n = 0;
     line->longest = line->hidden = 0;
+    line->hidden_at = INFINITY;
     ssfr_boxes_along(&line->fluid->boxes, ray, from, to, gather, &g);
     if (g.result != SSFR_OK) {
         line->n = 0;
         return g.result;
     }
-    for (int c = 0; c < 3; c++) from_origin += fabs(ray->origin[c]);
-    line->digits = place_error * (from_origin + g.farthest + line->longest);
+    line->digits = place_error * (from_origin(ray) + g.farthest + line->longest + sqrt(g.widest2));
+    line->margin = find_margin(line);
     put_in_order(line);
     return SSFR_OK;
 }
@@ -242,16 +280,14 @@ double ssfr_line_density(const ssfr_line *line, double t)
     return sum;
 }
 
-/* A sum to which each term adds no more than its own rounding (Neumaier 1974). */
-typedef struct exact_sum {
-    double sum, lost;
-} exact_sum;
-
-static void add(exact_sum *s, double term)
+/* Half of what the ray has in a kernel is sqrt(1 - near2): steep where the ray grazes it. */
+double ssfr_line_rim_err(const ssfr_line *line, const ssfr_line_kernel *k, bool *grazes)
 {
-    const double sum = s->sum + term;
-    s->lost += fabs(s->sum) >= fabs(term) ? (s->sum - sum) + term : (term - sum) + s->sum;
-    s->sum = sum;
+    const double off = line->digits * k->steep, doubt = doubt_of(off), speed = sqrt(k->stretch);
+    const double left = 1 - k->near2, half = sqrt(left), most = sqrt(left + doubt);
+    const double least = left > doubt ? sqrt(left - doubt) : 0;
+    *grazes = left <= doubt;
+    return (fmax(most - half, half - least) + off) / speed + 2 * DBL_EPSILON * (fabs(k->middle) + half / speed);
 }
 
 /* What the line collects of one kernel between two places in its support, m times its weight's unit. */
@@ -271,32 +307,45 @@ static double kernel_slack(const ssfr_radial *radial)
     return 2 * ssfr_radial_value(radial, 0) + 2 * ssfr_radial_steepness(radial, 0);
 }
 
-/* The same of a sphere, whose half chord is sqrt(1 - near2): steep where the ray grazes it. */
-static double sphere_slack(const ssfr_line_kernel *k, double off)
+static double kernel_chords(const ssfr_line *line, size_t begin, double a, double b, double *err)
 {
-    const double rim = (2 + off) * off, half = sqrt(1 - k->near2);
-    return 2 * off + 2 * (half > 0 ? fmin(rim / half, sqrt(rim)) : sqrt(rim));
+    const ssfr_radial *radial = line->fluid->radial;
+    const double slack = kernel_slack(radial);
+    /* A chord is the difference of two; its factors round it three times more. */
+    const double own = 2 * radial->chord_err + 4 * DBL_EPSILON * ssfr_radial_chord(radial, 0, 1);
+    ssfr_sum sum = {0};
+    for (size_t i = begin; i < line->n && line->kernels[i].enters < b; i++) {
+        const ssfr_line_kernel *k = line->kernels + i;
+        if (k->leaves <= a) continue;
+        ssfr_sum_add(&sum, chord_of(radial, k, a, b));
+        *err += k->weight / sqrt(k->stretch) * (own + slack * line->digits * k->steep);
+    }
+    return ssfr_sum_total(&sum);
+}
+
+/* Spheres just before a, or behind b, may by their error reach into what is asked for. */
+static double sphere_chords(const ssfr_line *line, size_t begin, double a, double b, double *err)
+{
+    ssfr_sum sum = {0};
+    for (size_t i = begin; i < line->n && line->kernels[i].enters < b + line->margin; i++) {
+        const ssfr_line_kernel *k = line->kernels + i;
+        bool grazes;
+        if (k->leaves <= a - line->margin) continue;
+        ssfr_sum_add(&sum, k->weight * fmax(fmin(b, k->leaves) - fmax(a, k->enters), 0));
+        *err += 2 * k->weight * ssfr_line_rim_err(line, k, &grazes);
+    }
+    *err += line->hidden;
+    return ssfr_sum_total(&sum);
 }
 
 double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err)
 {
-    const ssfr_radial *radial = line->fluid->radial;
-    const double slack = radial ? kernel_slack(radial) : 0;
-    /* A chord is the difference of two; its factors round it three times more. */
-    const double full = radial ? ssfr_radial_chord(radial, 0, 1) : 1;
-    const double own = (radial ? 2 * radial->chord_err : 0) + 4 * DBL_EPSILON * full;
-    exact_sum sum = {0, 0};
-    double doubt = 0;
-    for (size_t i = a < b ? first_at(line, a) : line->n; i < line->n && line->kernels[i].enters < b; i++) {
-        const ssfr_line_kernel *k = line->kernels + i;
-        if (k->leaves <= a) continue;
-        const double speed = sqrt(k->stretch), off = line->digits * speed;
-        const double sphere = fmin(b, k->leaves) - fmax(a, k->enters);
-        add(&sum, radial ? chord_of(radial, k, a, b) : k->weight * sphere);
-        doubt += k->weight / speed * (own + (radial ? slack * off : sphere_slack(k, off)));
+    double doubt = 0, total = 0;
+    if (a < b) {
+        const size_t begin = first_at(line, a - line->margin);
+        total = (line->fluid->radial ? kernel_chords : sphere_chords)(line, begin, a, b, &doubt);
     }
-    const double total = sum.sum + sum.lost;
-    if (err) *err = doubt + line->hidden + DBL_EPSILON * fabs(total);
+    if (err) *err = doubt + DBL_EPSILON * fabs(total);
     return total;
 }
 
@@ -343,7 +392,7 @@ ssfr_result ssfr_line_breaks(ssfr_line *line, double a, double b, size_t *n, con
     all[found++] = a;
     for (size_t i = 0; i < line->n; i++) found = add_breaks(line, line->kernels + i, a, b, all, found);
     all[found++] = b;
-    qsort(all, found, sizeof *all, by_value);
+    gsl_heapsort(all, found, sizeof *all, by_value);
     for (size_t i = 1; i < found; i++)
         if (all[i] > all[kept - 1]) all[kept++] = all[i];
     *n = kept;

@@ -13,6 +13,7 @@ typedef struct ssfr_line_kernel {
     double middle;         /* m, where the ray is nearest to its middle, as the kernel measures distances */
     double near2;          /* squared distance there, in supports */
     double stretch;        /* 1/m^2 */
+    double steep;          /* 1/m: q changes by no more than this with a place, in any direction */
     double weight;
     double aside[3];       /* m, from the kernel's centre to the ray's place at t = middle: what zhu_bridson's mean of
                             * places needs */
@@ -27,7 +28,10 @@ typedef struct ssfr_line {
     ssfr_line_kernel *kernels; /* in the order of `enters`, then of index */
     double longest;            /* m, of all of them, from enters to leaves */
     double digits;             /* m, what rounding may have moved a kernel, at most */
-    double hidden;             /* m, of spheres: chords that rounding may have hidden */
+    double margin;             /* m, what enters and leaves may be off by because of that */
+    double hidden;             /* m, of spheres and zhu_bridson, whose surface may be a support's rim: parts of the line
+                                * in supports that rounding may have hidden */
+    double hidden_at;          /* m, where the first of them begins; infinite when there is none */
     double *breaks;            /* see ssfr_line_breaks */
     size_t breaks_capacity;
     ssfr_line_kernel *spare;   /* scratch, as the following */
@@ -46,6 +50,9 @@ SSFR_MUST ssfr_result ssfr_line_cast(ssfr_line *line, const ssfr_ray *ray, doubl
  * bisection: they enter before t by no more than the longest of all is long. Cheap, but who asks for many rising t
  * should keep a window of its own. */
 double ssfr_line_density(const ssfr_line *line, double t);
+/* A bound on what the kernel's enters and leaves are off by, m; whether rounding hides if the ray meets it at all. */
+double ssfr_line_rim_err(const ssfr_line *line, const ssfr_line_kernel *k, bool *grazes);
+
 /* The closed form of its integral from a to b, within [from, to], and a bound on what rounding does to it, which may
  * be NULL. */
 double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err);

@@ -72,42 +72,35 @@ end:
     return result;
 }
 
-/* Of A^-1 / support, by which a kernel measures distances: no direction is stretched by more than Frobenius' norm. */
-static double steep_of(const ssfr_continuum *fluid, uint32_t index)
-{
-    if (!fluid->inverse) return 1 / fluid->support;
-    const double *m = fluid->inverse[index];
-    const double squares = m[0] * m[0] + m[3] * m[3] + m[5] * m[5] + 2 * (m[1] * m[1] + m[2] * m[2] + m[4] * m[4]);
-    return sqrt(squares) / fluid->support;
-}
-
 static void take(ssfr_span *span, size_t i)
 {
     const ssfr_line_kernel *k = span->line->kernels + i;
-    const double steep = steep_of(span->line->fluid, k->index);
     span->kernels[span->n++] = (kernel){
         .leaves = k->leaves, .middle = k->middle, .near2 = k->near2, .stretch = k->stretch, .weight = k->weight,
-        .steep = steep, .doubt = steep * span->line->digits + 2 * DBL_EPSILON,
+        .steep = k->steep, .doubt = k->steep * span->line->digits + 2 * DBL_EPSILON,
         .across = {ssfr_dot(k->aside, span->across[0]), ssfr_dot(k->aside, span->across[1])}, .index = (uint32_t)i};
 }
 
-/* No kernel is curved more than in its middle, where it is by m(0): so much its slope changes with q. */
-static double find_slope_slack(const ssfr_span *span)
+/* No kernel is curved more than in its middle, where it is by m(0): so much its slope changes with q, and so much more
+ * than its slope tells its value changes. */
+static void find_slack(ssfr_span *span)
 {
-    double sum = 0;
+    const double most = ssfr_radial_steepness(span->line->fluid->radial, 0);
+    double slope = 0, value = 0;
     for (size_t i = 0; i < span->n; i++) {
         const kernel *k = span->kernels + i;
-        sum += k->weight * k->steep * (k->doubt + term_error + (double)span->n * sum_error);
+        slope += k->weight * k->steep * (k->doubt + term_error + (double)span->n * sum_error);
+        value += k->weight * k->doubt * k->doubt;
     }
-    return sum * ssfr_radial_steepness(span->line->fluid->radial, 0);
+    span->slope_slack = slope * most;
+    span->value_slack = value * most;
 }
 
 ssfr_result ssfr_span_move(ssfr_span *span, double a, double b)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_line *line = span->line;
-    /* Where kernels begin and end is known no better. */
-    const double margin = 2 * line->digits;
+    const double margin = line->margin;
     size_t kept = 0;
     span->known[0] = span->known[1] = NAN;
     for (size_t i = 0; i < span->n; i++)
@@ -118,7 +111,7 @@ ssfr_result ssfr_span_move(ssfr_span *span, double a, double b)
         SSFR_TRY(reserve(span));
         take(span, span->next);
     }
-    if (!is_mean(span)) span->slope_slack = find_slope_slack(span);
+    if (!is_mean(span)) find_slack(span);
 end:
     return result;
 }
@@ -195,9 +188,10 @@ static ssfr_span_value density_at(const ssfr_span *span, double at)
         double m;
         sum += k->weight * ssfr_radial_both(radial, q, &m);
         slope -= k->weight * k->stretch * t * m;
-        doubt += k->weight * m * (q + k->doubt) * k->doubt;
+        doubt += k->weight * m * q * k->doubt;
     }
-    return (ssfr_span_value){sum - level, slope, doubt + ((double)span->n * sum_error + term_error) * (sum + level)};
+    const double rounding = ((double)span->n * sum_error + term_error) * (sum + level);
+    return (ssfr_span_value){sum - level, slope, doubt + span->value_slack + rounding};
 }
 
 static ssfr_span_bounds density_bound(const ssfr_span *span, double a, double b)
@@ -216,10 +210,10 @@ static ssfr_span_bounds density_bound(const ssfr_span *span, double a, double b)
         const range slope = product(&t, least, most);
         rise_lo -= k->weight * k->stretch * slope.hi;
         rise_hi -= k->weight * k->stretch * slope.lo;
-        doubt += k->weight * most * (less(sqrt(farthest2), 1) + k->doubt) * k->doubt;
+        doubt += k->weight * most * less(sqrt(farthest2), 1) * k->doubt;
     }
     const ssfr_span_value centre = density_at(span, middle);
-    const double err = doubt + ((double)span->n * sum_error + term_error) * (hi + level);
+    const double err = doubt + span->value_slack + ((double)span->n * sum_error + term_error) * (hi + level);
     const double slack = span->slope_slack;
     const double change = (greater(middle - a, b - middle)) * greater(slack - rise_lo, rise_hi + slack);
     return (ssfr_span_bounds){.lo = greater(lo - level - err, centre.value - centre.err - change),
