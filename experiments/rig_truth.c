@@ -22,7 +22,6 @@ ssfr_result ssfr_rig_truth_params(ssfr_truth_params *out, const ssfr_sweep_spec 
     ssfr_result result = SSFR_OK;
     ssfr_truth_defaults(out);
     out->cast.parts = SSFR_TRUTH_SURFACE | SSFR_TRUTH_THICKNESS;
-    out->cast.solids = true;
     if (scene) SSFR_TRY(ssfr_truth_apply_scene(out, scene));
     for (int i = 0; i < spec->settings.n; i++) {
         const ssfr_setting *s = &spec->settings.items[i];

@@ -90,9 +90,9 @@ accepts 'the splash, in colour, a sample' truth splash --size 160x90 --every 16 
 that 'with its luminance' awk -F , '$1 == "luminance" { good = $3 > 0.1 && $4 < $3 && $3 < $5 && $6 == 60 }
     END { exit !good }' out
 from_behind="--eye 1.35,0.6,-4 --target 1.35,0.3,0"
-accepts 'the splash from behind its wall' truth splash $small $from_behind --set truth.solids=1
+accepts 'the splash from behind its wall' truth splash $small $from_behind
 hidden=$(value covered)
-accepts 'as if there were no wall' truth splash $small $from_behind
+accepts 'as if there were no wall' truth splash $small $from_behind --set truth.solids=0
 that 'which hides some of it' awk -v a="$hidden" -v b="$(value covered)" 'BEGIN { exit !(a < b) }'
 
 # ---- samples ----

@@ -47,8 +47,8 @@ typedef struct ssfr_truth_cast_params { /* truth.*, beside those of ssfr_continu
     double eps_abs, eps_rel;
     int points, steps;
     double judged;    /* share of the rays that GSL's qagp judges when the integrator is `chords`, [0, 1] */
-    int solids;       /* flag: solids and the floor hide what is behind them from depth, normal and thickness, too; off
-                       * as in the slots of pipelines, which hold the fluid alone. Foam and colour always have solids */
+    int solids;       /* flag: solids and the floor hide what is behind them from depth, normal and thickness, too, as
+                       * they do from splats. Foam and colour always have solids */
 } ssfr_truth_cast_params;
 
 typedef struct ssfr_truth_params {
