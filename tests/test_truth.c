@@ -3,6 +3,7 @@
 #include "tests/truths.h"
 
 #include "experiments/truth/estimate.h"
+#include "experiments/truth/tiles.h"
 #include "experiments/truth/truth_file.h"
 
 #include "base/param.h"
@@ -216,14 +217,14 @@ static void add_wall(ssfr_stage *stage)
     stage->scene.n_solids = 1;
 }
 
-static void solids_and_the_floor_hide_fluid_when_asked(void **state)
+static void solids_and_the_floor_hide_fluid(void **state)
 {
     (void)state;
     ssfr_stage *stage = one_ball(ball_eye);
-    const ssfr_truth_params seen = test_truth_params(balls);
-    ssfr_truth_params hidden = seen;
+    const ssfr_truth_params hidden = test_truth_params(balls); /* as splats are, unless it is switched off */
+    ssfr_truth_params seen = hidden;
     const ssfr_camera *c = &stage->scene.camera;
-    assert_int_equal(ssfr_truth_set(&hidden, "truth.solids", "1"), SSFR_OK);
+    assert_int_equal(ssfr_truth_set(&seen, "truth.solids", "0"), SSFR_OK);
     add_wall(stage);
     stage->scene.floor = 0.1;
     ssfr_truth *cut = test_truth_cast(stage, &hidden), *whole = test_truth_cast(stage, &seen);
@@ -439,7 +440,7 @@ static void one_square_tells_nothing_of_the_others(void **state)
     assert_int_equal(ssfr_truth_create(&truth, stage, &params, &options), SSFR_OK);
     assert_int_equal(truth->stats.rays, 1);
     const ssfr_estimate e = estimate_of(truth, "thickness");
-    assert_true(e.low == -INFINITY && e.high == INFINITY && isfinite(e.value));
+    assert_true(e.low == 0 && e.high == INFINITY && isfinite(e.value));
     ssfr_truth_destroy(&truth);
     ssfr_stage_destroy(&stage);
 }
@@ -456,6 +457,163 @@ static void a_mean_over_nothing_is_none(void **state)
     assert_true(estimate_of(truth, "covered").value == 0);
     ssfr_truth_destroy(&truth);
     ssfr_stage_destroy(&stage);
+}
+
+/* ---- the statistics of samples, on images that were made up ------------------------------------------------------ */
+
+static ssfr_truth *made_truth(int w, int h, int every, unsigned parts)
+{
+    ssfr_truth *truth = NULL;
+    assert_int_equal(ssfr_alloc(&truth, 1, sizeof *truth, "a truth"), SSFR_OK);
+    truth->w = w, truth->h = h, truth->every = every, truth->parts = parts;
+    assert_int_equal(ssfr_field_create(&truth->cast, w, h, 1), SSFR_OK);
+    for (int i = 0; i < SSFR_N_TRUTH_CHANNELS; i++) {
+        const ssfr_truth_channel_row *row = &ssfr_truth_channels[i];
+        if (!(parts & (unsigned)row->part)) continue;
+        assert_int_equal(ssfr_field_create(&truth->channels[i], w, h, row->n), SSFR_OK);
+        if (i == SSFR_TRUTH_depth) ssfr_field_fill(truth->channels[i], -SSFR_EMPTY);
+    }
+    return truth;
+}
+
+/* One pixel of each square is cast, as ssfr_truth_create chooses them. */
+static void draw_pixels(ssfr_truth *truth, uint64_t seed)
+{
+    const ssfr_tiles tiles = {.w = truth->w, .h = truth->h, .every = truth->every, .seed = seed};
+    ssfr_field_fill(truth->cast, 0);
+    for (int y = 0; y < truth->h; y += truth->every)
+        for (int x = 0; x < truth->w; x += truth->every) {
+            int pixel[2];
+            ssfr_tiles_choose(&tiles, x, y, pixel);
+            *ssfr_field_at(truth->cast, pixel[0], pixel[1]) = 1;
+        }
+}
+
+static void cast_by_hand(ssfr_truth *truth, int x, int y, double thickness)
+{
+    *ssfr_field_at(truth->cast, x, y) = 1;
+    *ssfr_field_at(truth->channels[SSFR_TRUTH_thickness], x, y) = thickness;
+}
+
+/* Squares of four pixels that have the same four values, in any order: what neighbours differ by is noise alone, so that
+ * the variance is not overrated and any that is underrated shows. One draw of {0, 1, 2, 5} has a variance of 3.5. */
+static void the_interval_has_the_variance_of_the_estimate(void **state)
+{
+    (void)state;
+    enum { SIDE = 20, N = SIDE * SIDE, DRAWS = 500 };
+    static const double values[] = {0, 1, 2, 5};
+    const double t = 1.9718962; /* 97.5 % of Student's distribution with 200 degrees of freedom */
+    ssfr_truth *truth = made_truth(2 * SIDE, 2 * SIDE, 2, SSFR_TRUTH_THICKNESS);
+    double variance = 0, spread = 0;
+    uint64_t random = 3;
+    int held = 0;
+    for (int y = 0; y < 2 * SIDE; y += 2)
+        for (int x = 0; x < 2 * SIDE; x += 2)
+            for (int i = 0, turn = (int)test_random(&random, 0, 4); i < 4; i++)
+                *ssfr_field_at(truth->channels[SSFR_TRUTH_thickness], x + i % 2, y + i / 2) = values[(i + turn) % 4];
+    for (uint64_t seed = 1; seed <= DRAWS; seed++) {
+        draw_pixels(truth, seed);
+        const ssfr_estimate e = estimate_of(truth, "thickness");
+        variance += ssfr_square(0.5 * (e.high - e.low) / t) / DRAWS;
+        spread += ssfr_square(e.value - 2) / DRAWS;
+        held += e.low <= 2 && 2 <= e.high;
+    }
+    assert_close(variance, 3.5 / N, 0, 0.02);
+    assert_close(spread, 3.5 / N, 0, 0.2);
+    assert_in_range(held, 0.92 * DRAWS, 0.98 * DRAWS);
+    ssfr_truth_destroy(&truth);
+}
+
+/* Squares of 4, 4, 2 pixels, and below them of 2, 2, 1: the pairs are 4 with 4, 2 with 1, 2 with 2. */
+static void narrow_squares_at_the_border_count_by_their_pixels(void **state)
+{
+    (void)state;
+    const double t = 3.1824463052842638; /* 3 degrees of freedom */
+    ssfr_truth *truth = made_truth(5, 3, 2, SSFR_TRUTH_THICKNESS);
+    cast_by_hand(truth, 1, 0, 1), cast_by_hand(truth, 2, 1, 3), cast_by_hand(truth, 4, 1, 2);
+    cast_by_hand(truth, 0, 2, 4), cast_by_hand(truth, 3, 2, 7), cast_by_hand(truth, 4, 2, 6);
+    const double mean = (4 * 1 + 4 * 3 + 2 * 2 + 2 * 4 + 2 * 7 + 6) / 15.0;
+    const double variance = ssfr_square(4 * (1 - 3.0)) + ssfr_square(2 * (2 - mean) - (6 - mean)) + ssfr_square(2 * (7 - 4.0));
+    const ssfr_estimate e = estimate_of(truth, "thickness");
+    assert_close(e.value, mean, 0, 1e-14);
+    assert_close(e.high - e.value, t * sqrt(variance) / 15, 0, 1e-12);
+    assert_close(e.low, fmax(2 * e.value - e.high, 0), 1e-14, 1e-12);
+    assert_int_equal(e.n, 6);
+    ssfr_truth_destroy(&truth);
+}
+
+/* Three squares of 4, 4 and 2 pixels are one group: 3 / 2 of the sum of squares. */
+static void an_odd_square_joins_the_last_pair(void **state)
+{
+    (void)state;
+    const double t = 4.3026527297494637; /* 2 degrees of freedom */
+    ssfr_truth *truth = made_truth(5, 2, 2, SSFR_TRUTH_THICKNESS);
+    cast_by_hand(truth, 0, 1, 10), cast_by_hand(truth, 3, 0, 11), cast_by_hand(truth, 4, 1, 12);
+    const double mean = 10.8, d[] = {0.4 * (10 - mean), 0.4 * (11 - mean), 0.2 * (12 - mean)};
+    const double middle = (d[0] + d[1] + d[2]) / 3;
+    const double sum = ssfr_square(d[0] - middle) + ssfr_square(d[1] - middle) + ssfr_square(d[2] - middle);
+    const ssfr_estimate e = estimate_of(truth, "thickness");
+    assert_close(e.value, mean, 0, 1e-14);
+    assert_close(e.high - e.value, t * sqrt(1.5 * sum), 0, 1e-12);
+    ssfr_truth_destroy(&truth);
+}
+
+static void what_a_sample_did_not_see_may_be_there(void **state)
+{
+    (void)state;
+    ssfr_truth *truth = made_truth(80, 60, 4, SSFR_TRUTH_SURFACE | SSFR_TRUTH_THICKNESS | SSFR_TRUTH_FOAM);
+    draw_pixels(truth, 1);
+    const ssfr_estimate none = estimate_of(truth, "covered");
+    assert_true(none.value == 0 && none.low == 0);
+    assert_close(none.high, -log(0.025) / 300, 0, 1e-12); /* of 300 squares */
+    assert_close(estimate_of(truth, "foam_opacity").high, none.high, 0, 1e-12);
+    assert_true(estimate_of(truth, "thickness").high == 0); /* which nothing limits */
+    ssfr_field_fill(truth->channels[SSFR_TRUTH_depth], -2.385);
+    const ssfr_estimate all = estimate_of(truth, "covered");
+    assert_true(all.value <= 1 && all.high == 1);
+    assert_close(all.low, 1 + log(0.025) / 300, 0, 1e-12);
+    ssfr_truth_destroy(&truth);
+}
+
+static void one_covered_pixel_tells_nothing_of_others_but_where_all_are_known(void **state)
+{
+    (void)state;
+    ssfr_truth *some = made_truth(8, 8, 2, SSFR_TRUTH_SURFACE), *all = made_truth(8, 8, 1, SSFR_TRUTH_SURFACE);
+    draw_pixels(some, 1), draw_pixels(all, 1);
+    *ssfr_field_at(all->channels[SSFR_TRUTH_depth], 5, 3) = -2.385;
+    for (int i = 4; i < 6; i++)
+        for (int k = 2; k < 4; k++) *ssfr_field_at(some->channels[SSFR_TRUTH_depth], i, k) = -2.385;
+    const ssfr_estimate one = estimate_of(some, "depth"), only = estimate_of(all, "depth");
+    assert_int_equal(one.n, 1);
+    assert_close(one.value, -2.385, 0, 1e-14);
+    assert_true(one.low == -INFINITY && one.high == 0);
+    assert_close(only.low, -2.385, 0, 1e-13);
+    assert_close(only.high, -2.385, 0, 1e-13);
+    assert_true(estimate_of(all, "covered").high < 1 / 64.0 + 1e-12);
+    ssfr_truth_destroy(&some), ssfr_truth_destroy(&all);
+}
+
+/* Half of the pairs see the surface: its mean has half of their degrees of freedom, less one. */
+static void pairs_that_see_no_surface_tell_nothing_of_its_depth(void **state)
+{
+    (void)state;
+    const double t = 4.3026527297494637; /* 2 degrees of freedom, of 3 pairs */
+    static const double depths[] = {-2, -3, -2.5, -2.75, -2.25, -3.5};
+    ssfr_truth *truth = made_truth(12, 6, 3, SSFR_TRUTH_SURFACE); /* 4 x 2 squares */
+    double mean = 0, variance = 0;
+    draw_pixels(truth, 2);
+    for (int i = 0; i < 6; i++) {
+        const int row = i / 4, column = row ? 3 - i % 4 : i % 4;
+        for (int k = 0; k < 9; k++)
+            *ssfr_field_at(truth->channels[SSFR_TRUTH_depth], 3 * column + k % 3, 3 * row + k / 3) = depths[i];
+        mean += depths[i] / 6;
+        if (i % 2) variance += ssfr_square((depths[i] - depths[i - 1]) / 6);
+    }
+    const ssfr_estimate e = estimate_of(truth, "depth");
+    assert_int_equal(e.n, 6);
+    assert_close(e.value, mean, 0, 1e-14);
+    assert_close(e.value - e.low, t * sqrt(variance), 0, 1e-12);
+    ssfr_truth_destroy(&truth);
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
@@ -640,7 +798,7 @@ int main(void)
         cmocka_unit_test(a_sheet_one_particle_thick_has_no_holes),
         cmocka_unit_test(every_kind_of_fluid_has_finite_numbers),
         cmocka_unit_test(a_million_metres_away_all_is_the_same),
-        cmocka_unit_test(solids_and_the_floor_hide_fluid_when_asked),
+        cmocka_unit_test(solids_and_the_floor_hide_fluid),
         cmocka_unit_test(foam_is_seen_before_solids_and_not_behind),
         cmocka_unit_test(fluid_as_clear_as_air_is_not_seen),
         cmocka_unit_test(light_is_finite_from_inside_too),
@@ -650,6 +808,12 @@ int main(void)
         cmocka_unit_test(intervals_hold_the_mean_as_often_as_they_say),
         cmocka_unit_test(one_square_tells_nothing_of_the_others),
         cmocka_unit_test(a_mean_over_nothing_is_none),
+        cmocka_unit_test(the_interval_has_the_variance_of_the_estimate),
+        cmocka_unit_test(narrow_squares_at_the_border_count_by_their_pixels),
+        cmocka_unit_test(an_odd_square_joins_the_last_pair),
+        cmocka_unit_test(what_a_sample_did_not_see_may_be_there),
+        cmocka_unit_test(one_covered_pixel_tells_nothing_of_others_but_where_all_are_known),
+        cmocka_unit_test(pairs_that_see_no_surface_tell_nothing_of_its_depth),
         cmocka_unit_test(bounds_in_a_file_hold_for_its_floats),
         cmocka_unit_test(a_preview_fills_the_squares),
         cmocka_unit_test(every_parameter_can_be_set_by_its_key),
