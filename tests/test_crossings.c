@@ -401,6 +401,105 @@ static void spheres_that_overlap_are_one_body_and_those_that_just_touch_are_a_to
     }
 }
 
+/* They touch 2.385 m behind where the ray is asked about, or before. */
+static void what_touches_beyond_the_line_is_no_touch(void **state)
+{
+    (void)state;
+    memcpy(centre, (double[3][3]){{0, 0, 0}, {0, 0, 2}, {0, 0, 6}}, sizeof(double[3][3]));
+    ssfr_continuum fluid = kernels_of(3, NULL, 1, 0.5);
+    fluid.kind = SSFR_CONTINUUM_SPHERES;
+    const ssfr_ray ray = {{0, 0, -3}, {0, 0, 1}}, grazing = {{1, 0, -3}, {0, 0, 1}};
+    caster c;
+    begin(&c, &fluid);
+    assert_int_equal(find(&c, &ray, 0, 3.5)->n_touches, 0);
+    assert_int_equal(find(&c, &ray, 4.5, 20)->n_touches, 0);
+    assert_int_equal(find(&c, &ray, 0, 20)->n_touches, 1);
+    /* All three are only grazed: where the line is, and where on it. */
+    const ssfr_crossings *found = find(&c, &grazing, 4, 20);
+    assert_int_equal(found->n, 0);
+    assert_close(found->touch, 5, 1e-6, 0);
+    found = find(&c, &grazing, 6, 8);
+    assert_true(found->n_touches == 0 && isinf(found->touch));
+    finish(&c);
+    ssfr_continuum_finish(&fluid);
+}
+
+/* A hundred balls within 1e-12 of each other: which of them is first is not known, but where it is. */
+static void balls_in_nearly_one_place_are_entered_where_one_is(void **state)
+{
+    (void)state;
+    enum { N = 100 };
+    uint64_t seed = 2385;
+    scatter(N, 1e-12, &seed);
+    ssfr_continuum fluid = kernels_of(N, NULL, 1, 0.5);
+    fluid.kind = SSFR_CONTINUUM_SPHERES;
+    caster c;
+    begin(&c, &fluid);
+    for (int k = 0; k <= 11; k++) {
+        const double left = 0.385 * pow(10, -k), half = sqrt(left * (2 - left));
+        const ssfr_ray ray = {{1 - left, 0, -1000}, {0, 0, 1}};
+        const ssfr_crossings *found = find(&c, &ray, 0, INFINITY);
+        if (k == 11 && found->n == 0) continue;
+        assert_int_equal(found->n, 2);
+        assert_true(found->items[0].t_err < 1e-11 / half + 1e-11);
+        assert_close(found->items[0].t, 1000 - half, found->items[0].t_err + 2e-12 / half, 0);
+        assert_close(found->items[1].t, 1000 + half, found->items[1].t_err + 2e-12 / half, 0);
+        worst w = {0};
+        if (k < 6) check_line(&fluid, &ray, 999, 1001, 100, found, &w);
+    }
+    finish(&c);
+    ssfr_continuum_finish(&fluid);
+}
+
+/* A particle that alone fills its support is a ball whose weight is 0 where the surface is. */
+static void a_mean_is_crossed_at_the_rim_of_its_support(void **state)
+{
+    (void)state;
+    memset(centre, 0, sizeof centre[0]);
+    ssfr_continuum fluid = kernels_of(1, &ssfr_radials[0], 1, 0.5);
+    fluid.kind = SSFR_CONTINUUM_ZHU_BRIDSON;
+    fluid.radius = 1.1;
+    caster c;
+    begin(&c, &fluid);
+    for (int k = 0; k <= 17; k++) {
+        const double left = k == 17 ? 0 : 1.3 * pow(10, -k) / 3, b = 1 - left;
+        const ssfr_ray ray = {{b, 0, -20}, {0, 0, 1}};
+        const double half = (double)sqrtl((1 - (real)b) * (1 + (real)b));
+        const ssfr_crossings *found = find(&c, &ray, 0, INFINITY);
+        if (found->n == 2) {
+            assert_true(fabs(found->items[0].t - (20 - half)) <= found->items[0].t_err + DBL_EPSILON * 20);
+            assert_true(fabs(found->items[1].t - (20 + half)) <= found->items[1].t_err + DBL_EPSILON * 20);
+        } else {
+            assert_int_equal(found->n, 0);
+            assert_true(k > 11 && found->touched >= 2 * half && found->touched < 1e-5);
+        }
+    }
+    fluid.radius = 0.5; /* and there is none where the rim is no surface */
+    const ssfr_ray along = {{1, 0, -20}, {0, 0, 1}};
+    assert_int_equal(find(&c, &along, 0, INFINITY)->n_touches, 0);
+    finish(&c);
+    ssfr_continuum_finish(&fluid);
+}
+
+/* Where a double's step is longer than a support nothing is known, but there is an answer. */
+static void an_eye_beyond_all_digits_gets_an_answer(void **state)
+{
+    (void)state;
+    const ssfr_ray ray = {{0, 0, -1e17}, {0, 0, 1}};
+    memset(centre, 0, sizeof centre[0]);
+    for (int kind = 0; kind < SSFR_N_CONTINUA; kind++) {
+        ssfr_continuum fluid = fluid_of(1, (ssfr_continuum_kind)kind, 0);
+        ssfr_crossing first;
+        caster c;
+        begin(&c, &fluid);
+        const ssfr_crossings *found = find(&c, &ray, 0, INFINITY);
+        for (size_t i = 0; i < found->n; i++) assert_true(isfinite(found->items[i].t) && found->items[i].t_err > 1);
+        find_first(&c, &ray, INFINITY, false, &first);
+        finish(&c);
+        ssfr_continuum_finish(&fluid);
+    }
+}
+
 /* Both balls are entered and left at once: it is not known whose normal it is. */
 static void a_ray_along_the_seam_of_two_spheres_states_no_normal(void **state)
 {
@@ -778,6 +877,7 @@ static void a_ray_from_the_surface_does_not_find_the_crossing_that_it_comes_from
             const bool inside = slope < 0;
             const bool found = find_first(&c, &from, INFINITY, inside, &next);
             assert_true(found || !inside);
+            assert_int_equal(c.crossings.n_touches, 0);
             n_tried++;
             if (!found) continue;
             assert_int_equal(next.enters, !inside);
@@ -936,6 +1036,15 @@ end:
     return result;
 }
 
+static void ask_all(caster *c, const ssfr_ray *ray)
+{
+    ssfr_crossing first;
+    bool inside;
+    assert_true(find(c, ray, 0, INFINITY)->n > 0);
+    assert_true(find_first(c, ray, INFINITY, false, &first));
+    assert_int_equal(ssfr_crossings_inside(&c->crossings, &c->line, ray->origin, &inside), SSFR_OK);
+}
+
 static void running_out_of_memory_anywhere_is_an_error_and_a_warm_line_needs_none(void **state)
 {
     (void)state;
@@ -955,9 +1064,9 @@ static void running_out_of_memory_anywhere_is_an_error_and_a_warm_line_needs_non
         }
         caster c;
         begin(&c, &fluid);
-        assert_true(find(&c, &ray, 0, INFINITY)->n > 0);
+        ask_all(&c, &ray);
         n_made = 0;
-        assert_true(find(&c, &ray, 0, INFINITY)->n > 0);
+        ask_all(&c, &ray);
         assert_int_equal(n_made, 0);
         finish(&c);
         ssfr_continuum_finish(&fluid);
@@ -985,6 +1094,10 @@ int main(void)
         cmocka_unit_test(a_sphere_has_the_depth_normal_and_chord_of_the_closed_form),
         cmocka_unit_test(two_disjoint_spheres_give_four_crossings_and_two_lengths),
         cmocka_unit_test(spheres_that_overlap_are_one_body_and_those_that_just_touch_are_a_touch),
+        cmocka_unit_test(what_touches_beyond_the_line_is_no_touch),
+        cmocka_unit_test(balls_in_nearly_one_place_are_entered_where_one_is),
+        cmocka_unit_test(a_mean_is_crossed_at_the_rim_of_its_support),
+        cmocka_unit_test(an_eye_beyond_all_digits_gets_an_answer),
         cmocka_unit_test(a_ray_along_the_seam_of_two_spheres_states_no_normal),
         cmocka_unit_test(one_kernel_is_a_ball_of_the_closed_form),
         cmocka_unit_test(no_crossing_of_a_density_is_missed),

@@ -93,15 +93,22 @@ static double doubt_of(double off)
     return (2 + off) * off + 4 * DBL_EPSILON;
 }
 
+/* Of spheres, and of zhu_bridson where a particle alone fills its support: one that does not weighs nothing at its rim,
+ * as any density does. */
+static bool has_rims(const ssfr_continuum *fluid)
+{
+    return fluid->kind == SSFR_CONTINUUM_SPHERES ||
+           (fluid->kind == SSFR_CONTINUUM_ZHU_BRIDSON && fluid->radius >= (1 - 1e-6) * fluid->support);
+}
+
 /* A kernel that is not among the line's. Rounding may hide that it is met after all, just so: where the surface is its
  * rim that counts. */
 static void note_hidden(ssfr_line *line, const ssfr_line_kernel *k)
 {
-    const ssfr_continuum_kind kind = line->fluid->kind;
     const double support = line->fluid->support;
     const double off = place_error * (from_origin(&line->ray) + fabs(k->middle) + support) / support;
     const double left = 1 - k->near2 + doubt_of(off);
-    if ((kind != SSFR_CONTINUUM_SPHERES && kind != SSFR_CONTINUUM_ZHU_BRIDSON) || left <= 0) return;
+    if (left <= 0) return;
     const double half = (sqrt(left) + off) * support;
     const double enters = fmax(k->middle - half, line->from), leaves = fmin(k->middle + half, line->to);
     if (enters >= leaves) return;
@@ -126,6 +133,7 @@ static bool gather(void *user, uint32_t begin, uint32_t end)
     const ssfr_continuum *fluid = line->fluid;
     const ssfr_ray ray = line->ray;
     const double support = fluid->support, per_support2 = 1 / (support * support);
+    const bool rims = has_rims(fluid);
     double farthest = g->farthest, longest = line->longest, widest2 = g->widest2;
     g->result = reserve(line, end - begin);
     if (g->result != SSFR_OK) return false;
@@ -143,7 +151,7 @@ static bool gather(void *user, uint32_t begin, uint32_t end)
             measure_stretched(fluid->inverse[i], support, ray.dir, &k);
         }
         if (!meet(line, &k)) {
-            note_hidden(line, &k);
+            if (rims) note_hidden(line, &k);
             continue;
         }
         const double wide2 = ssfr_dot(k.aside, k.aside);

@@ -29,8 +29,8 @@ typedef struct ssfr_line {
     double longest;            /* m, of all of them, from enters to leaves */
     double digits;             /* m, what rounding may have moved a kernel, at most */
     double margin;             /* m, what enters and leaves may be off by because of that */
-    double hidden;             /* m, of spheres and zhu_bridson, whose surface may be a support's rim: parts of the line
-                                * in supports that rounding may have hidden */
+    double hidden;             /* m, where a support's rim is surface, as of spheres: parts of the line in supports that
+                                * rounding may have hidden */
     double hidden_at;          /* m, where the first of them begins; infinite when there is none */
     double *breaks;            /* see ssfr_line_breaks */
     size_t breaks_capacity;
