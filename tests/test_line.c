@@ -11,6 +11,7 @@ enum { MOST = 1000 };
 static const double support = 0.0954; /* m */
 
 static double centre[MOST][3]; /* m */
+static double longest = 4;     /* of stretched kernels, over the shortest */
 
 static void scatter(size_t n, double extent, uint64_t seed)
 {
@@ -32,14 +33,17 @@ static ssfr_continuum fluid_of(size_t n, const ssfr_radial *radial)
 /* Particles at centre + offset, taken for a continuum of this kind. */
 static ssfr_continuum continuum_of(size_t n, ssfr_continuum_kind kind, int kernel, const double offset[3])
 {
+    ssfr_anisotropy_params anisotropy = ssfr_anisotropy_defaults();
+
     ssfr_particles *particles = NULL, given = {.radius = support / 4};
     ssfr_continuum_params params = {.kind = kind, .kernel = kernel, .level = 0.5, .support = 4, .size = 1.3};
     ssfr_continuum fluid;
     double *at = calloc(3 * n, sizeof *at);
+    anisotropy.k_r = anisotropy.k_max = longest;
     assert_non_null(at);
     for (size_t i = 0; i < 3 * n; i++) at[i] = centre[i / 3][i % 3] + offset[i % 3];
     assert_int_equal(ssfr_particles_create(&particles, n, at, &given), SSFR_OK);
-    assert_int_equal(ssfr_continuum_init(&fluid, particles, &params, NULL), SSFR_OK);
+    assert_int_equal(ssfr_continuum_init(&fluid, particles, &params, &anisotropy), SSFR_OK);
     ssfr_particles_destroy(&particles);
     free(at);
     return fluid;
@@ -100,7 +104,7 @@ static double sum_over_all(const ssfr_continuum *fluid, const ssfr_ray *ray, dou
 
 /* The ray in kernel i, in more digits than the line has. */
 typedef struct course {
-    long double enters, middle, leaves, near2;
+    long double enters, middle, leaves, near2, speed; /* speed: 1/m */
 } course;
 
 static bool kernel_along(const ssfr_continuum *fluid, size_t i, const ssfr_ray *ray, course *out)
@@ -115,7 +119,8 @@ static bool kernel_along(const ssfr_continuum *fluid, size_t i, const ssfr_ray *
     out->middle = -dot(p, v) / dot(v, v);
     for (int k = 0; k < 3; k++) p[k] += out->middle * v[k];
     out->near2 = dot(p, p);
-    const long double half = sqrtl(fmaxl(1 - out->near2, 0) / dot(v, v));
+    out->speed = sqrtl(dot(v, v));
+    const long double half = sqrtl(fmaxl(1 - out->near2, 0)) / out->speed;
     out->enters = out->middle - half;
     out->leaves = out->middle + half;
     return out->near2 < 1;
@@ -397,9 +402,9 @@ static long double exact_chords(const ssfr_continuum *fluid, const ssfr_ray *ray
         course c;
         if (!kernel_along(fluid, i, ray, &c)) continue;
         const long double from = fmaxl(c.enters, (long double)a), to = fminl(c.leaves, (long double)b);
-        const long double h = (long double)fluid->support, v = (long double)fluid->weight;
+        const long double v = (long double)weight_of(fluid, i), per_m = c.speed;
         if (!(from < to)) continue;
-        const long double poly6 = h * poly6_between(c.near2, (from - c.middle) / h, (to - c.middle) / h);
+        const long double poly6 = poly6_between(c.near2, (from - c.middle) * per_m, (to - c.middle) * per_m) / per_m;
         sum += fluid->radial ? v * poly6 : to - from;
     }
     return sum;
@@ -409,12 +414,14 @@ static void chords_lie_within_their_error(void **state)
 {
     (void)state;
     static const double far[] = {0.5, 100, 1e5};
-    static const ssfr_continuum_kind kinds[] = {SSFR_CONTINUUM_SPHERES, SSFR_CONTINUUM_DENSITY};
+    static const ssfr_continuum_kind kinds[] = {SSFR_CONTINUUM_SPHERES, SSFR_CONTINUUM_DENSITY,
+                                                SSFR_CONTINUUM_ANISOTROPIC};
     uint64_t seed = 14;
+    longest = 100;
     scatter(MOST, 0.25, 7);
-    for (size_t kind = 0; kind < SSFR_COUNT(kinds); kind++)
+    for (size_t kind = 0; kind < SSFR_COUNT(kinds); kind++) {
+        ssfr_continuum fluid = continuum_of(MOST, kinds[kind], 1, nowhere);
         for (size_t i = 0; i < 300; i++) {
-            ssfr_continuum fluid = continuum_of(MOST, kinds[kind], 1, nowhere);
             ssfr_line line;
             double err;
             ssfr_ray ray;
@@ -427,8 +434,45 @@ static void chords_lie_within_their_error(void **state)
             assert_close(chords, (double)exact_chords(&fluid, &ray, a, 2 * away), err, 0);
             if (kinds[kind] == SSFR_CONTINUUM_DENSITY) assert_true(err < 1e-9 * fmax(1, away));
             ssfr_line_finish(&line);
-            ssfr_continuum_finish(&fluid);
         }
+        ssfr_continuum_finish(&fluid);
+    }
+    longest = 4;
+}
+
+/* A needle, 1000 times as long as it is wide, along the ray: what rounding moves it aside is wide. */
+static void chords_of_a_needle_lie_within_their_error(void **state)
+{
+    (void)state;
+    uint64_t seed = 21;
+    double weights[1] = {2.385}, inverse[1][6] = {{0}}, worst = 0;
+    memset(centre, 0, sizeof centre);
+    for (int i = 0; i < 300; i++) {
+        /* A^-1 = 1000 (1 - u u^T) + u u^T */
+        double u[3], err;
+        for (int k = 0; k < 3; k++) u[k] = test_random(&seed, -1, 1), centre[0][k] = test_random(&seed, -0.3, 0.3);
+        ssfr_normalize(u);
+        const double unit[6] = {1, 0, 0, 1, 0, 1};
+        const double square[6] = {u[0] * u[0], u[0] * u[1], u[0] * u[2], u[1] * u[1], u[1] * u[2], u[2] * u[2]};
+        for (int k = 0; k < 6; k++) inverse[0][k] = 1000 * (unit[k] - square[k]) + square[k];
+        ssfr_continuum fluid = fluid_of(1, &ssfr_radials[1]);
+        fluid.weights = weights, fluid.inverse = inverse;
+        ssfr_ray ray;
+        memcpy(ray.dir, u, sizeof u);
+        for (int k = 0; k < 3; k++)
+            ray.origin[k] = centre[0][k] - 7 * u[k] + test_random(&seed, -3e-4, 3e-4) * support;
+        ssfr_line line;
+        ssfr_line_init(&line, &fluid);
+        assert_int_equal(ssfr_line_cast(&line, &ray, 0, INFINITY), SSFR_OK);
+        const double chords = ssfr_line_chords(&line, 0, 20, &err);
+        const double off = fabs(chords - (double)exact_chords(&fluid, &ray, 0, 20));
+        assert_true(off <= err && err < 1e-8);
+        worst = fmax(worst, off);
+        ssfr_line_finish(&line);
+        fluid.weights = NULL, fluid.inverse = NULL;
+        ssfr_continuum_finish(&fluid);
+    }
+    assert_true(worst > 1e-14);
 }
 
 /* 1.3 radii each; a ray through the middles of two that stand apart, and of two that overlap: chords add up. */
@@ -524,6 +568,7 @@ int main(void)
         cmocka_unit_test(breaks_are_where_pieces_begin_and_end),
         cmocka_unit_test(chords_are_the_integral_of_the_density),
         cmocka_unit_test(chords_lie_within_their_error),
+        cmocka_unit_test(chords_of_a_needle_lie_within_their_error),
         cmocka_unit_test(spheres_add_up_their_chords),
         cmocka_unit_test(a_scene_moved_a_million_metres_is_the_same),
         cmocka_unit_test(a_line_used_again_gives_the_same_bits),
