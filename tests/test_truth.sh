@@ -48,6 +48,8 @@ for channel in Z N.X,N.Y,N.Z T D Z.err T.err; do
     accepts "and the same bits in $channel" compare again.exr other.exr --channel $channel
     that 'by its metrics' awk -F , '$1 == "max" || $1 == "rmse" { if ($3 != 0) exit 1 }' out
 done
+accepts 'a particle that is less dense than a surface' truth sphere --size 64x48 --only surface,thickness
+that 'which is said' grep -q 'ssfr truth: warning: rays cross particles, but no surface' err
 accepts 'without a file' truth sphere $small $balls
 accepts 'with a cache of its own' truth sphere $small $balls --cache mine
 that 'which is in the folder that was named' [ "$(find mine/truth -name '*.tiles' | wc -l)" -eq 1 ]
@@ -157,7 +159,8 @@ refuses 'a preview that is no PNG' 'a.exr: the name must end in .png' truth sphe
 refuses 'a folder that is not there' 'no/truth.exr' truth sphere -o no/truth.exr
 refuses '--every 0' '--every 0' truth sphere --every 0
 refuses 'a part that is none' 'truth.parts=depth: expected' truth sphere --only depth
-refuses 'no part' 'truth.parts=none' truth sphere --only none
+refuses 'no part' 'truth.parts=none' truth dam_break --only none
+that 'before it simulates anything' [ ! -e cache/ssfr/scenes ]
 refuses 'an integrator that is none' 'truth.integrator=simpson' truth sphere --integrator simpson
 refuses 'a parameter that is none' 'truth.speed: no such parameter; there are kind' truth sphere --set truth.speed=1
 refuses 'a group that is none' 'its groups are truth, extinction' truth sphere --set water.ior=1

@@ -6,6 +6,9 @@
 #include "experiments/interrupt.h"
 #include "experiments/truth/tiles.h"
 
+#include "base/param.h"
+#include "scene/mesh.h"
+
 #include <inttypes.h>
 #include <omp.h>
 #include <signal.h>
@@ -341,83 +344,245 @@ static void a_full_disk_is_one_line_and_what_was_done_stays(void **state)
     ssfr_truth *truth = NULL;
     const int before = omp_get_max_threads();
     begin(&f);
-    omp_set_num_threads(1);
+    omp_set_num_threads(3); /* several fail, one tells */
+    test_clear_log();
     test_limit_file_size(70000); /* a whole tile has 57 kB */
     const ssfr_result result = ssfr_truth_create(&truth, f.stage, &f.params, &f.options);
     test_limit_file_size(SIZE_MAX);
     omp_set_num_threads(before);
     assert_int_equal(result, SSFR_ERR_IO);
     assert_null(truth);
-    assert_non_null(strstr(test_last_error(), ".tiles: "));
+    test_assert_logged(".tiles: ", __FILE__, __LINE__);
     assert_same(&f, false);
     end(&f);
 }
 
 /* ---- the key ----------------------------------------------------------------------------------------------------- */
 
-/* Another key with this setting than without. */
-static bool counts(const ssfr_stage *stage, const char *parts, const char *key, const char *value)
+static uint64_t key_of(const ssfr_stage *stage, const ssfr_truth_params *params)
 {
     const ssfr_truth_options options = {.every = 1, .seed = 1};
-    const char *const before[] = {"truth.parts", parts, NULL};
-    const char *const after[] = {"truth.parts", parts, key, value, NULL};
-    const ssfr_truth_params a = test_truth_params(before), b = test_truth_params(after);
-    return ssfr_truth_key(stage, &a, &options) != ssfr_truth_key(stage, &b, &options);
+    return ssfr_truth_key(stage, params, &options);
 }
 
-static void the_key_knows_what_each_part_depends_on(void **state)
+/* The balls with foam around, a floor and a solid: every parameter has something to act on. */
+static ssfr_stage *all_there_is(int w, int h)
+{
+    static const double foam[] = {0.1, 0.2, 0.4, -0.1, -0.2, 0.35, 0.2, -0.1, 0.3};
+    static uint32_t kinds[] = {SSFR_SPRAY, SSFR_FOAM, SSFR_BUBBLE};
+    const ssfr_particles given = {.radius = 0.05, .kind = kinds};
+    ssfr_stage *stage = some_balls();
+    assert_int_equal(ssfr_particles_create(&stage->foam, 3, foam, &given), SSFR_OK);
+    stage->solids[0] = (ssfr_solid){.shape = SSFR_BOX, .centre = {0.3, 0.1, -0.5}, .half = {0.2, 0.3, 0.1},
+                                    .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .colour = {0.5, 0.4, 0.3}};
+    stage->scene.n_solids = 1;
+    stage->scene.floor = -0.6;
+    stage->scene.camera.w = w, stage->scene.camera.h = h;
+    return stage;
+}
+
+/* Another value within the row's range. */
+static void another_value(const ssfr_param *row, const void *group, char *text, size_t size)
+{
+    const double value = ssfr_param_number(row, group), less = 0.75 * value + 0.25 * row->min;
+    if (row->type == SSFR_REAL)
+        snprintf(text, size, "%.17g", value > row->min ? less : value + 0.25 * fmin(row->max - value, 1));
+    else if (row->type == SSFR_CHOICE)
+        snprintf(text, size, "%s", row->words[value == 0]);
+    else
+        snprintf(text, size, "%.0f", row->type == SSFR_INT ? floor(0.5 * value) : value == 0);
+}
+
+static const char *const parts_of_truth[] = {"surface", "thickness", "foam", "colour"};
+
+/* What the key has of each part: groups of parameters, by their names' beginnings. */
+static bool belongs(const char *key, const char *part)
+{
+    static const char *const integrals[] = {"integrator", "eps_abs", "eps_rel", "points", "steps", "judged"};
+    const bool foam = strcmp(part, "foam") == 0, colour = strcmp(part, "colour") == 0;
+    bool integral = false;
+    for (size_t i = 0; i < SSFR_COUNT(integrals); i++) integral |= strcmp(key + 6, integrals[i]) == 0;
+    if (strncmp(key, "truth.", 6) == 0) return !integral || strcmp(part, "surface") != 0;
+    if (strncmp(key, "extinction.", 11) == 0) return foam || colour;
+    if (strncmp(key, "anisotropy.", 11) == 0) return false; /* the kind is another */
+    return colour;
+}
+
+/* And where another value gives other bits, for certain, it gives another key. */
+static void the_key_has_the_parameters_that_a_part_depends_on_and_no_others(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = all_there_is(9, 6);
+    const ssfr_param *row;
+    const void *group;
+    char key[128], text[256];
+    int n_changed = 0;
+    for (size_t p = 0; p < SSFR_COUNT(parts_of_truth); p++) {
+        const char *const settings[] = {"truth.parts", parts_of_truth[p], "path.depth", "6", NULL};
+        const ssfr_truth_params before = test_truth_params(settings);
+        ssfr_truth *as_before = test_truth_cast(stage, &before);
+        for (int i = 0; ssfr_truth_key_at(&before, i, key, &row, &group); i++) {
+            if (row->type == SSFR_SET) continue;
+            ssfr_truth_params after = before;
+            another_value(row, group, text, sizeof text);
+            assert_int_equal(ssfr_truth_set(&after, key, text), SSFR_OK);
+            ssfr_truth *other = test_truth_cast(stage, &after);
+            assert_int_equal(key_of(stage, &after) != key_of(stage, &before), belongs(key, parts_of_truth[p]));
+            if (!belongs(key, parts_of_truth[p])) assert_true(test_truth_same(other, as_before));
+            n_changed += !test_truth_same(other, as_before);
+            ssfr_truth_destroy(&other);
+        }
+        ssfr_truth_destroy(&as_before);
+    }
+    assert_true(n_changed > 30);
+    ssfr_stage_destroy(&stage);
+}
+
+static void the_key_has_kernels_where_they_are_stretched(void **state)
 {
     (void)state;
     ssfr_stage *stage = some_balls();
-    assert_true(counts(stage, "surface", "truth.kind", "spheres"));
-    assert_true(counts(stage, "surface", "truth.size", "1.1"));
-    assert_true(counts(stage, "thickness", "truth.integrator", "qags"));
-    assert_true(counts(stage, "foam", "extinction.efficiency", "1.5"));
-    assert_false(counts(stage, "surface", "extinction.efficiency", "1.5"));
-    assert_true(counts(stage, "colour", "extinction.efficiency", "1.5"));
-    assert_true(counts(stage, "colour", "medium.color_r", "0.5"));
-    assert_false(counts(stage, "surface,thickness,foam", "medium.color_r", "0.5"));
-    assert_true(counts(stage, "colour", "path.depth", "3"));
-    assert_false(counts(stage, "foam", "path.depth", "3"));
-    assert_false(counts(stage, "surface", "anisotropy.k_r", "2"));
+    const char *const before[] = {"truth.parts", "surface", "truth.kind", "anisotropic", NULL};
+    ssfr_truth_params params = test_truth_params(before);
+    const uint64_t key = key_of(stage, &params);
+    assert_int_equal(ssfr_truth_set(&params, "anisotropy.k_r", "2"), SSFR_OK);
+    assert_true(key_of(stage, &params) != key);
     ssfr_stage_destroy(&stage);
+}
+
+/* Whether the key of this part changes while *number is another. */
+static bool changes(const ssfr_stage *stage, const char *part, bool solids, double *number)
+{
+    const char *const settings[] = {"truth.parts", part, "truth.solids", solids ? "1" : "0", NULL};
+    const ssfr_truth_params params = test_truth_params(settings);
+    const uint64_t key = key_of(stage, &params);
+    const double before = *number;
+    *number += 1e-9;
+    const bool other = key_of(stage, &params) != key;
+    *number = before;
+    assert_true(key_of(stage, &params) == key);
+    return other;
 }
 
 static void the_key_knows_the_scene(void **state)
 {
     (void)state;
+    ssfr_stage *stage = all_there_is(W, H);
+    ssfr_camera *c = &stage->scene.camera;
+    ssfr_solid *solid = &stage->solids[0];
+    double *of_view[] = {&c->eye[0], &c->right[1], &c->up[2], &c->back[0], &c->tan_x, &c->tan_y, &c->near,
+                         &stage->particles->radius};
+    double *of_solids[] = {&stage->scene.floor, &solid->centre[0], &solid->axis[1][1], &solid->half[2],
+                           &solid->inner};
+    for (size_t p = 0; p < SSFR_COUNT(parts_of_truth); p++) {
+        const char *part = parts_of_truth[p];
+        for (size_t i = 0; i < SSFR_COUNT(of_view); i++) assert_true(changes(stage, part, false, of_view[i]));
+        for (size_t i = 0; i < SSFR_COUNT(of_solids); i++) {
+            assert_int_equal(changes(stage, part, false, of_solids[i]), p >= 2);
+            assert_true(changes(stage, part, true, of_solids[i]));
+        }
+        assert_int_equal(changes(stage, part, true, &solid->colour[1]), p == 3);
+        assert_false(changes(stage, part, true, &c->far));
+        assert_false(changes(stage, part, true, &stage->time));
+    }
+    ssfr_stage_destroy(&stage);
+}
+
+static void the_key_knows_foam_size_and_surroundings_where_they_are_seen(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = all_there_is(W, H);
+    ssfr_field *sky = NULL;
+    assert_int_equal(ssfr_field_create(&sky, 4, 2, 3), SSFR_OK);
+    for (size_t p = 0; p < SSFR_COUNT(parts_of_truth); p++) {
+        const char *const settings[] = {"truth.parts", parts_of_truth[p], "truth.solids", "0", NULL};
+        const ssfr_truth_params params = test_truth_params(settings);
+        const uint64_t key = key_of(stage, &params);
+#define CHANGED (key_of(stage, &params) != key)
+        const float place = stage->foam->position[1];
+        const uint32_t kind = stage->foam->kind[2];
+        stage->foam->position[1] = nextafterf(place, 1);
+        assert_int_equal(CHANGED, p >= 2);
+        stage->foam->position[1] = place;
+        stage->foam->kind[2] = (kind + 1) % 3;
+        assert_int_equal(CHANGED, p >= 2);
+        stage->foam->kind[2] = kind;
+        stage->scene.environment = sky;
+        assert_int_equal(CHANGED, p == 3);
+        const uint64_t dark = key_of(stage, &params);
+        sky->data[5] = 1;
+        assert_int_equal(key_of(stage, &params) != dark, p == 3);
+        sky->data[5] = 0;
+        stage->scene.environment = NULL;
+        stage->scene.camera.w++;
+        assert_true(CHANGED);
+        stage->scene.camera.w--, stage->scene.camera.h++;
+        assert_true(CHANGED);
+        stage->scene.camera.h--, stage->scene.n_solids = 0;
+        assert_int_equal(CHANGED, p >= 2);
+        stage->scene.n_solids = 1;
+        assert_false(CHANGED);
+#undef CHANGED
+    }
+    ssfr_field_destroy(&sky);
+    ssfr_stage_destroy(&stage);
+}
+
+static void the_key_knows_a_mesh_by_its_triangles(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = all_there_is(W, H);
+    ssfr_mesh_triangle triangles[] = {{.corner = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
+    ssfr_mesh mesh = {.n_triangles = 1, .triangles = triangles};
+    stage->solids[0].mesh = &mesh;
+    assert_true(changes(stage, "foam", false, &triangles[0].corner[2][1]));
+    assert_false(changes(stage, "surface", false, &triangles[0].corner[2][1]));
+    stage->solids[0].mesh = NULL;
+    ssfr_stage_destroy(&stage);
+}
+
+/* The order in a file, names, velocities and the like are nothing that a ray meets. */
+static void the_key_knows_nothing_of_how_particles_came(void **state)
+{
+    (void)state;
+    static const double there[] = {0.3, 0.1, -0.2, 0, 0, 0, -0.4, -0.2, 0.1}, back[] = {-0.4, -0.2, 0.1, 0.3, 0.1, -0.2, 0, 0, 0};
+    static float velocity[9] = {1, 2, 3};
+    static uint32_t id[] = {7, 5, 6};
+    const ssfr_particles plain_ones = {.radius = 0.2}, rich_ones = {.radius = 0.2, .velocity = velocity, .id = id};
+    const ssfr_truth_params params = test_truth_params(plain);
     ssfr_stage *stage = some_balls();
-    const char *const all[] = {"truth.parts", "foam", NULL};
-    const ssfr_truth_params params = test_truth_params(all);
+    ssfr_particles *one = NULL, *other = NULL;
+    assert_int_equal(ssfr_particles_create(&one, 3, there, &plain_ones), SSFR_OK);
+    assert_int_equal(ssfr_particles_create(&other, 3, back, &rich_ones), SSFR_OK);
+    stage->scene.particles = one;
+    const uint64_t key = key_of(stage, &params);
+    stage->scene.particles = other;
+    assert_true(key_of(stage, &params) == key);
+    other->position[3] = nextafterf(other->position[3], 1);
+    assert_true(key_of(stage, &params) != key);
+    other->n--;
+    assert_true(key_of(stage, &params) != key);
+    other->n++;
+    ssfr_particles_destroy(&one), ssfr_particles_destroy(&other);
+    ssfr_stage_destroy(&stage);
+}
+
+static void the_key_knows_the_sample(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = some_balls();
+    const ssfr_truth_params params = test_truth_params(plain);
     ssfr_truth_options options = {.every = 1, .seed = 1};
     const uint64_t key = ssfr_truth_key(stage, &params, &options);
-#define CHANGED (ssfr_truth_key(stage, &params, &options) != key)
-    assert_false(CHANGED);
-    stage->scene.camera.eye[2] += 1e-9;
-    assert_true(CHANGED);
-    stage->scene.camera.eye[2] = 2.385;
-    assert_false(CHANGED);
-    stage->particles->radius *= 1.1;
-    assert_true(CHANGED);
-    stage->particles->radius = 0.25;
-    const float before = stage->particles->position[4];
-    stage->particles->position[4] = nextafterf(before, 1);
-    assert_true(CHANGED);
-    stage->particles->position[4] = before;
-    stage->scene.floor = -1;
-    assert_true(CHANGED);
-    stage->scene.floor = -INFINITY;
-    stage->scene.n_solids = 1;
-    assert_true(CHANGED);
-    stage->scene.n_solids = 0;
     options.seed = 2; /* counts for samples only */
-    assert_false(CHANGED);
+    assert_true(ssfr_truth_key(stage, &params, &options) == key);
+    options.cache = "elsewhere", options.anew = options.progress = true;
+    assert_true(ssfr_truth_key(stage, &params, &options) == key);
     options.every = 2;
     const uint64_t second = ssfr_truth_key(stage, &params, &options);
     assert_true(second != key);
     options.seed = 3;
     assert_true(ssfr_truth_key(stage, &params, &options) != second);
-#undef CHANGED
     ssfr_stage_destroy(&stage);
 }
 
@@ -437,8 +602,13 @@ int main(void)
         cmocka_unit_test(a_signal_ends_the_work_and_says_how_to_go_on),
         cmocka_unit_test(a_cache_that_cannot_be_written_is_refused_in_one_line),
         cmocka_unit_test(a_full_disk_is_one_line_and_what_was_done_stays),
-        cmocka_unit_test(the_key_knows_what_each_part_depends_on),
+        cmocka_unit_test(the_key_has_the_parameters_that_a_part_depends_on_and_no_others),
+        cmocka_unit_test(the_key_has_kernels_where_they_are_stretched),
         cmocka_unit_test(the_key_knows_the_scene),
+        cmocka_unit_test(the_key_knows_foam_size_and_surroundings_where_they_are_seen),
+        cmocka_unit_test(the_key_knows_a_mesh_by_its_triangles),
+        cmocka_unit_test(the_key_knows_nothing_of_how_particles_came),
+        cmocka_unit_test(the_key_knows_the_sample),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }
