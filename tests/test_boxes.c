@@ -301,6 +301,10 @@ static void a_ray_visits_what_is_near_it(void **state)
     const visits whole = walk(&boxes, &ray, 0, INFINITY), begun = walk(&boxes, &ray, 0, 1.25);
     assert_true(whole.n > 100 && whole.n < MOST / 10);
     assert_true(begun.n > 10 && begun.n < whole.n / 2);
+    const visits rest = walk(&boxes, &ray, 1.75, INFINITY);
+    assert_true(rest.n > 10 && rest.n < whole.n / 2);
+    assert_int_equal(walk(&boxes, &ray, 1.25, 1).n, 0);
+    assert_int_equal(walk(&boxes, &ray, NAN, 1).n, 0);
     ssfr_boxes_finish(&boxes);
 }
 

@@ -378,6 +378,57 @@ static void what_floats_in_water_is_within_its_bound(void **state)
     end(&r);
 }
 
+/* The refractor itself, for whom it may be asked in any order. */
+static void what_floats_is_collected_wherever_it_is_asked_for(void **state)
+{
+    static const double place[1][3] = {{0, 0, 0}}, foam[3][3] = {{2, 0, 0}, {2, 0, 0.2}, {2.1, 0.1, 0.4}};
+    rig r, fresh;
+    (void)state;
+    begin(&r, SSFR_CONTINUUM_SPHERES, 1, place, 3, foam, 0), begin(&fresh, SSFR_CONTINUUM_SPHERES, 1, place, 3, foam, 0);
+    make(&r);
+    const ssfr_refractor *body = ssfr_fluid_light_refractor(r.light);
+    assert_true(body->brightest == 0.95);
+    const double from[3] = {2, 0.05, -5}, to[3] = {2.02, 0.05, 5};
+    const ssfr_ray ray = ray_towards(&r, from, to, 0);
+    static const double ends[][2] = {{0, 4.9}, {0, 20}, {4.9, 5.1}, {0, INFINITY}, {5.1, 30}};
+    for (size_t i = 0; i < SSFR_COUNT(ends); i++) {
+        double seen[3], expected[3], through, clear, err, other_err;
+        assert_int_equal(body->between(body->user, &ray, ends[i][0], ends[i][1], seen, &through, &err), SSFR_OK);
+        make(&fresh);
+        const ssfr_refractor *other = ssfr_fluid_light_refractor(fresh.light);
+        assert_int_equal(other->between(other->user, &ray, ends[i][0], ends[i][1], expected, &clear, &other_err),
+                         SSFR_OK);
+        for (int k = 0; k < 3; k++) assert_close(seen[k], expected[k], 1e-13, 0);
+        assert_close(through, clear, 1e-13, 0);
+        assert_true(through < 1 && err > 0 && err < 1e-10);
+    }
+    end(&r), end(&fresh);
+}
+
+/* A ray may cross such a place twice or not at all; the surface that it begins on is none. */
+static void touches_are_counted_and_beginnings_are_not(void **state)
+{
+    static const double place[1][3] = {{0, 0, 0}};
+    rig r;
+    (void)state;
+    begin(&r, SSFR_CONTINUUM_SPHERES, 1, place, 0, NULL, 0);
+    make(&r);
+    const double radius = r.fluid.support, *c = r.fluid.centre[0];
+    const ssfr_ray grazing = {{c[0] + radius, c[1], c[2] - 3}, {0, 0, 1}};
+    for (size_t i = 1; i < 4; i++) {
+        follow(&r, &grazing, false);
+        assert_int_equal(ssfr_fluid_light_touches(r.light), i);
+    }
+    make(&r);
+    uint64_t seed = 5;
+    for (int i = 0; i < 50; i++) {
+        const ssfr_ray ray = random_ray(&r, &seed, 0.2);
+        assert_true(follow(&r, &ray, false).n_crossings > 2);
+    }
+    assert_int_equal(ssfr_fluid_light_touches(r.light), 0);
+    end(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -390,6 +441,8 @@ int main(void)
         cmocka_unit_test(what_was_followed_before_changes_no_bit),
         cmocka_unit_test(foam_before_the_sky_is_its_own_integral),
         cmocka_unit_test(what_floats_in_water_is_within_its_bound),
+        cmocka_unit_test(what_floats_is_collected_wherever_it_is_asked_for),
+        cmocka_unit_test(touches_are_counted_and_beginnings_are_not),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }

@@ -239,6 +239,21 @@ static void at_brewsters_angle_half_of_the_light_is_not_reflected_at_all(void **
     }
 }
 
+/* An index next to 1, met at a small angle: the same in more digits. */
+static void fresnel_keeps_its_digits_where_indices_hardly_differ(void **state)
+{
+    (void)state;
+    for (double off = 1e-3; off > 1e-12; off *= 0.1)
+        for (double cosine = 1e-6; cosine < 1; cosine *= 7.3) {
+            const long double m = 1 + (long double)off, c = (long double)cosine;
+            const double ratio = 1 + off;
+            const long double n = (long double)ratio, g = sqrtl((n - 1) * (n + 1) + c * c);
+            const long double rs = (c - g) / (c + g), rp = (n * n * c - g) / (n * n * c + g);
+            assert_true(fabsl(m - n) < 1e-15L);
+            assert_close(ssfr_fresnel(cosine, ratio), (double)((rs * rs + rp * rp) / 2), 1e-22, 1e-9);
+        }
+}
+
 static void grazing_light_is_reflected_whole(void **state)
 {
     (void)state;
@@ -657,6 +672,99 @@ static void dark_and_bright_surroundings_bound_what_ends(void **state)
     assert_close(follow(&r, &ray, false).err, 4.385, 1e-15, 0);
 }
 
+/* Things at one end of a piece of water alone. The piece is taken as a whole: its bound is what both ends leave open. */
+static bool things_are_near;
+
+static ssfr_result between_at_an_end(void *user, const ssfr_ray *ray, double from, double to, double colour[3],
+                                     double *through, double *err)
+{
+    const world *w = user;
+    const bool here = things_are_near ? from == 0 : to >= 2;
+    (void)ray;
+    for (int k = 0; k < 3; k++) colour[k] = here ? 0.9 : 0;
+    *through = here ? exp(-w->sigma) : 1, *err = 0;
+    return SSFR_OK;
+}
+
+static void what_floats_at_either_end_of_the_water_lies_within_its_bound(void **state)
+{
+    (void)state;
+    for (int near = 0; near < 2; near++) {
+        rig r;
+        begin_box(&r, 1, INFINITY, INFINITY, INFINITY);
+        r.w.wall = -2; /* ends the ray with 0.25 */
+        r.w.sigma = 2.385;
+        r.params.least = 0.5;
+        things_are_near = near;
+        r.body.between = between_at_an_end;
+        for (int k = 0; k < 3; k++) r.body.absorption[k] = 0.4, r.body.colour[k] = 0.1;
+        const ssfr_ray ray = {{0, 0, 0}, {0, -1, 0}};
+        const ssfr_lit lit = follow(&r, &ray, true);
+        const double wet = exp(-0.8), dry = exp(-2.385), water = 0.1 * (1 - wet);
+        const double exact = near ? 0.9 + dry * (water + wet * 0.25) : water + wet * (0.9 + dry * 0.25);
+        for (int k = 0; k < 3; k++) assert_close(lit.colour[k], exact, lit.err + 1e-15, 0);
+        assert_close(lit.err, 0.5 * ((1 - wet) * 0.9 + water * (1 - dry)), 1e-15, 0);
+    }
+}
+
+static ssfr_result unknown(void *user, const ssfr_ray *ray, double from, double to, double colour[3], double *through,
+                           double *err)
+{
+    const ssfr_result result = between(user, ray, from, to, colour, through, err);
+    *err = INFINITY;
+    return result;
+}
+
+static void an_error_that_is_not_known_is_no_nan_where_nothing_is_seen(void **state)
+{
+    rig r;
+    ssfr_lit lit;
+    (void)state;
+    begin_box(&r, 1, INFINITY, INFINITY, INFINITY);
+    r.w.wall = -2;
+    r.body.between = unknown;
+    for (int k = 0; k < 3; k++) r.body.absorption[k] = 1e300;
+    const ssfr_ray ray = {{0, 0, 0}, {0, -1, 0}};
+    assert_int_equal(ssfr_light_follow(&r.body, &r.around, &r.params, &ray, true, &lit), SSFR_OK);
+    assert_true(isinf(lit.err));
+}
+
+static void a_path_that_the_water_takes_ends_at_the_surface(void **state)
+{
+    rig r;
+    (void)state;
+    begin_box(&r, 1.333, 1, 1, 1);
+    for (int k = 0; k < 3; k++) r.body.absorption[k] = 50;
+    const ssfr_ray ray = ray_towards((const double[3]){0.3, 0.2, -0.1}, (const double[3]){0.35, 0.2, 3});
+    const ssfr_lit lit = follow(&r, &ray, true);
+    assert_true(lit.n_crossings == 0 && lit.n_paths == 1);
+    assert_true(lit.ended < 1e-15);
+}
+
+/* Planes one behind the other, which only those meet that go up. */
+static ssfr_result first_of_many(void *user, const ssfr_ray *ray, double to, bool inside, ssfr_crossing *out,
+                                 bool *found)
+{
+    (void)user, (void)to;
+    *out = (ssfr_crossing){.t = 1, .normal = {0, inside ? 1 : -1, 0}, .enters = !inside};
+    *found = ray->dir[1] > 0;
+    return SSFR_OK;
+}
+
+/* Each crossing leaves a path that waits while the next is followed. */
+static void as_many_paths_wait_as_the_depth_makes(void **state)
+{
+    rig r;
+    (void)state;
+    begin(&r, 1.333);
+    r.body.first = first_of_many;
+    r.params.least = 1e-15;
+    const ssfr_ray ray = {{0, 0, 0}, {0, 1, 0}};
+    const ssfr_lit lit = follow(&r, &ray, false);
+    assert_int_equal(lit.n_crossings, SSFR_LIGHT_DEPTH);
+    assert_int_equal(lit.n_paths, SSFR_LIGHT_DEPTH + 1);
+}
+
 /* ---- what is degenerate ------------------------------------------------------------------------------------------ */
 
 /* Finite values and the sum stand in follow. */
@@ -779,6 +887,7 @@ int main(void)
         cmocka_unit_test(fresnel_is_that_of_sines_and_tangents),
         cmocka_unit_test(fresnel_at_normal_incidence_is_the_square_of_index_differences),
         cmocka_unit_test(at_brewsters_angle_half_of_the_light_is_not_reflected_at_all),
+        cmocka_unit_test(fresnel_keeps_its_digits_where_indices_hardly_differ),
         cmocka_unit_test(grazing_light_is_reflected_whole),
         cmocka_unit_test(beyond_the_critical_angle_light_is_reflected_whole),
         cmocka_unit_test(light_is_reflected_alike_from_both_sides),
@@ -800,6 +909,10 @@ int main(void)
         cmocka_unit_test(a_floor_inside_the_water_ends_a_ray),
         cmocka_unit_test(what_floats_in_water_lies_within_its_bound),
         cmocka_unit_test(dark_and_bright_surroundings_bound_what_ends),
+        cmocka_unit_test(what_floats_at_either_end_of_the_water_lies_within_its_bound),
+        cmocka_unit_test(an_error_that_is_not_known_is_no_nan_where_nothing_is_seen),
+        cmocka_unit_test(a_path_that_the_water_takes_ends_at_the_surface),
+        cmocka_unit_test(as_many_paths_wait_as_the_depth_makes),
         cmocka_unit_test(degenerate_normals_and_rays_give_no_nan),
         cmocka_unit_test(a_normal_turned_away_is_turned_back),
         cmocka_unit_test(rays_that_graze_a_ball_see_the_sky),

@@ -164,6 +164,10 @@ static void bounds_are_those_of_the_brightest_thing(void **state)
     make(&r);
     assert_close(r.around->brightest, 0.62, 0, 1e-11); /* the floor's light tiles */
     assert_true(most_seen(&r, &least) > 0.45);
+    r.world.floor.dark = 0.66;
+    make(&r);
+    assert_close(r.around->brightest, 0.66, 0, 1e-11); /* the other ones */
+    r.world.floor.dark = 0.1;
     r.world.light.intensity = 3;
     make(&r);
     assert_close(r.around->brightest, 0.62 * (0.45 + 0.55 * 3), 0, 1e-11);

@@ -161,7 +161,6 @@ void ssfr_boxes_along(const ssfr_boxes *boxes, const ssfr_ray *ray, double from,
     const slabs s = slabs_of(ray, from, to);
     int level = boxes->n_levels - 1;
     size_t at = 0; /* of its level */
-    if (!(from <= to)) return;
     while (level >= 0 && level < boxes->n_levels) {
         const bool met = meets(&s, &boxes->boxes[boxes->first[level] + at]);
         if (met && level > 0) {
