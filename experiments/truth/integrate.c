@@ -33,8 +33,11 @@ struct ssfr_integration {
     gsl_integration_workspace *adaptive; /* these are made when they are first needed */
     gsl_integration_cquad_workspace *cquad;
     gsl_integration_glfixed_table *gauss[MAX_POINTS + 1];
+    ssfr_collocation *collocation[SSFR_COLLOCATION_MOST + 1];
     double *breaks; /* qagp wants to write to them */
     size_t breaks_capacity;
+    void *room;
+    size_t room_size; /* bytes */
 };
 
 /* ---- the function, counted and kept finite ----------------------------------------------------------------------- */
@@ -64,6 +67,13 @@ static double least_rel(const ssfr_integrate_params *params)
     return params->eps_abs > 0 ? params->eps_rel : fmax(params->eps_rel, 51 * DBL_EPSILON);
 }
 
+/* Pieces that an integrand may be cut into: as many as its own break points allow, however large the work space has
+ * grown with others. */
+static size_t limit_of(const counted *f)
+{
+    return ADAPTIVE_LIMIT + PIECES_PER_BREAK * f->integrand->n_breaks;
+}
+
 static ssfr_result prepare_adaptive(ssfr_integration *work, size_t limit)
 {
     if (work->adaptive && work->adaptive->limit >= limit) return SSFR_OK;
@@ -88,10 +98,10 @@ static ssfr_result run_qags(ssfr_integration *work, counted *f, const ssfr_integ
     const double *breaks = f->integrand->breaks;
     const size_t last = f->integrand->n_breaks - 1;
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(prepare_adaptive(work, ADAPTIVE_LIMIT + PIECES_PER_BREAK * last));
+    SSFR_TRY(prepare_adaptive(work, limit_of(f)));
     /* Whatever code it ends with, the estimate of the error is what it got to. */
-    gsl_integration_qags(&function, breaks[0], breaks[last], params->eps_abs, least_rel(params),
-                         work->adaptive->limit, work->adaptive, &out->value, &out->err);
+    gsl_integration_qags(&function, breaks[0], breaks[last], params->eps_abs, least_rel(params), limit_of(f),
+                         work->adaptive, &out->value, &out->err);
     out->err += adaptive_rounding(work->adaptive);
 end:
     return result;
@@ -109,7 +119,7 @@ static void run_each(ssfr_integration *work, counted *f, const ssfr_integrate_pa
     double err = 0;
     for (size_t i = 0; i < n; i++) {
         double value = 0, off = INFINITY;
-        gsl_integration_qags(&function, breaks[i], breaks[i + 1], eps_abs, least_rel(params), work->adaptive->limit,
+        gsl_integration_qags(&function, breaks[i], breaks[i + 1], eps_abs, least_rel(params), limit_of(f),
                              work->adaptive, &value, &off);
         err += off + adaptive_rounding(work->adaptive);
         ssfr_sum_add(&total, value);
@@ -125,7 +135,7 @@ static ssfr_result run_qagp(ssfr_integration *work, counted *f, const ssfr_integ
     gsl_function function = {counted_value, f};
     const size_t n = f->integrand->n_breaks;
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(prepare_adaptive(work, ADAPTIVE_LIMIT + PIECES_PER_BREAK * n));
+    SSFR_TRY(prepare_adaptive(work, limit_of(f)));
     if (n > work->breaks_capacity) {
         free(work->breaks);
         work->breaks = NULL, work->breaks_capacity = 0;
@@ -133,8 +143,8 @@ static ssfr_result run_qagp(ssfr_integration *work, counted *f, const ssfr_integ
         work->breaks_capacity = 2 * n;
     }
     memcpy(work->breaks, f->integrand->breaks, n * sizeof *work->breaks);
-    gsl_integration_qagp(&function, work->breaks, n, params->eps_abs, least_rel(params), work->adaptive->limit,
-                         work->adaptive, &out->value, &out->err);
+    gsl_integration_qagp(&function, work->breaks, n, params->eps_abs, least_rel(params), limit_of(f), work->adaptive,
+                         &out->value, &out->err);
     out->err += adaptive_rounding(work->adaptive);
     if (!(out->err <= fmax(params->eps_abs, params->eps_rel * fabs(out->value)))) run_each(work, f, params, out);
 end:
@@ -175,7 +185,8 @@ static ssfr_result prepare_gauss(ssfr_integration *work, int points)
                                : ssfr_fail(SSFR_ERR_MEMORY, "no memory for %d points of Gauss and Legendre", points);
 }
 
-/* What rounding may change: the sum by the digits of its terms, and of its places, which count as the function varies. */
+/* What rounding may change: the sum by the digits of its terms, and of its places, which count as the function
+ * varies. */
 typedef struct samples {
     ssfr_sum terms;
     double last, variation;
@@ -311,6 +322,36 @@ ssfr_result ssfr_integration_create(ssfr_integration **out)
     return ssfr_alloc(out, 1, sizeof **out, "work space for integrals");
 }
 
+ssfr_result ssfr_integration_room(ssfr_integration *work, size_t n, size_t size, void *out)
+{
+    ssfr_result result = SSFR_OK;
+    if (n > work->room_size / size) {
+        free(work->room);
+        work->room = NULL, work->room_size = 0;
+        SSFR_TRY(ssfr_alloc(&work->room, 2 * n, size, "what an integrand is made of"));
+        work->room_size = 2 * n * size;
+    }
+    memcpy(out, &work->room, sizeof work->room);
+end:
+    return result;
+}
+
+ssfr_result ssfr_integration_collocation(ssfr_integration *work, int n, const ssfr_collocation **out)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_collocation *made = NULL;
+    if (n < 1 || n > SSFR_COLLOCATION_MOST || !work->collocation[n]) {
+        SSFR_TRY(ssfr_alloc(&made, 1, sizeof *made, "points of collocation"));
+        SSFR_TRY(ssfr_collocation_init(made, n));
+        work->collocation[n] = made;
+        made = NULL;
+    }
+    *out = work->collocation[n];
+end:
+    free(made);
+    return result;
+}
+
 void ssfr_integration_destroy(ssfr_integration **work)
 {
     if (!*work) return;
@@ -318,6 +359,8 @@ void ssfr_integration_destroy(ssfr_integration **work)
     gsl_integration_cquad_workspace_free((*work)->cquad);
     for (int i = 0; i <= MAX_POINTS; i++)
         if ((*work)->gauss[i]) gsl_integration_glfixed_table_free((*work)->gauss[i]);
+    for (int i = 0; i <= SSFR_COLLOCATION_MOST; i++) free((*work)->collocation[i]);
+    free((*work)->room);
     free((*work)->breaks);
     free(*work);
     *work = NULL;

@@ -6,7 +6,7 @@
 #ifndef SSFR_TRUTH_INTEGRATE_H
 #define SSFR_TRUTH_INTEGRATE_H
 
-#include "base/base.h"
+#include "experiments/truth/collocation.h"
 
 typedef enum ssfr_integrator_id {
 #define X(name, help) SSFR_INTEGRATOR_##name,
@@ -45,10 +45,16 @@ typedef struct ssfr_integral {
     bool converged;       /* err is within what was asked; always false for none asked */
 } ssfr_integral;
 
-/* Work space of one thread. */
+/* Work space of one thread. It grows to what the largest integral takes and then allocates no more; what was integrated
+ * before changes no bit of what is integrated next. */
 typedef struct ssfr_integration ssfr_integration;
 SSFR_MUST ssfr_result ssfr_integration_create(ssfr_integration **out);
 void ssfr_integration_destroy(ssfr_integration **work);
+
+/* Memory for n things of `size` bytes that an integrand is made of, not cleared: the work space's, until the next call. */
+SSFR_MUST ssfr_result ssfr_integration_room(ssfr_integration *work, size_t n, size_t size, void *out);
+/* Collocation by n points, made when it is first asked for; the work space's. */
+SSFR_MUST ssfr_result ssfr_integration_collocation(ssfr_integration *work, int n, const ssfr_collocation **out);
 
 /* Not for `chords`, which is no rule but the closed form: ssfr_line_chords. A function that is not finite somewhere
  * gives an infinite err. Missing the tolerance is no error: err and converged tell. */

@@ -1,37 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* radiance.h: spray, foam and bubbles as a medium that absorbs and shines: what a ray collects on its way through it.
+/* radiance.h: what a ray collects on its way through spray, foam and bubbles, a medium that absorbs and shines.
  *
- * Particle j adds sigma_j(x) = Q pi a^2 W(|x - x_j|), 1/m, to the extinction: the cross-section of a ball of radius a,
- * spread by a kernel. With c(x) = sum sigma_j c_j / sigma the colour there,
+ * With sigma = sum sigma_j the extinction and c(x) = sum sigma_j c_j / sigma the colour there,
  *      dL/dt = sigma (c - L)   towards the eye:   L = int_0^T sigma c e^(-tau(t)) dt + e^(-tau(T)) L_behind,
  * tau(t) the optical depth up to t, a sum of closed-form chords. Where all colours are one the integral has a closed
  * form, too: c (1 - e^(-tau)). Ihmsen et al. 2012 step along the ray instead (integrator `steps`). */
 #ifndef SSFR_TRUTH_RADIANCE_H
 #define SSFR_TRUTH_RADIANCE_H
 
-#include "experiments/truth/integrate.h"
-#include "experiments/truth/line.h"
-
-typedef struct ssfr_extinction_params {
-    double radius;     /* a, in radii of the fluid's particles */
-    double support;    /* of its kernel, in radii of the fluid's particles */
-    double efficiency; /* Q */
-    double spray, foam, bubble; /* what each kind shines with, grey, of the light's brightness 1 */
-} ssfr_extinction_params;
-
-extern const ssfr_param ssfr_extinction_rows[];
-
-typedef struct ssfr_extinction {
-    ssfr_continuum kernels;    /* its density is the extinction, 1/m */
-    double (*colour)[3];   /* of each particle; NULL: all are `same` */
-    double same[3];
-} ssfr_extinction;
-
-/* Diffuse particles (NULL, or none: no extinction anywhere), foam where kinds are missing; radius: that of the fluid's,
- * m; origin: of the fluid, m. */
-SSFR_MUST ssfr_result ssfr_extinction_init(ssfr_extinction *out, const ssfr_particles *particles, double radius,
-                                     const double origin[3], const ssfr_extinction_params *params);
-void ssfr_extinction_finish(ssfr_extinction *extinction);
+#include "experiments/truth/course.h"
 
 typedef struct ssfr_radiance {
     double colour[3];      /* collected, before what is behind */
