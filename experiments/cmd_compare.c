@@ -7,13 +7,15 @@
 #include "experiments/difference_picture.h"
 #include "experiments/options.h"
 #include "experiments/output.h"
+#include "experiments/sampled.h"
 
+#include "base/field.h"
 #include "metrics/metrics.h"
 
 typedef struct compare_options {
     ssfr_list channels, requirements;
     const char *mask, *diff, *picture;
-    double range;
+    double range, radius;
 } compare_options;
 
 #define ROW(...) SSFR_OPTION(compare_options, __VA_ARGS__)
@@ -30,6 +32,8 @@ static const ssfr_option rows[] = {
         0),
     ROW(range, "range", 0, NUMBER, "X",
         "of the picture's colour bar to both sides (default: 95 % of the pixels lie in it)", 1e-9, 1e9),
+    ROW(radius, "radius", 0, NUMBER, "M",
+        "particle radius, for the rows in radii (default: what B says of itself, else A)", 1e-9, 1e9),
     ROW(requirements, "require", 0, LIST, "METRIC>=X",
         "exit with 1 unless this holds: >=, <=, >, < or ==; can be repeated", 0, 0),
     SSFR_OPTION_END,
@@ -42,13 +46,19 @@ typedef struct group { /* channels that belong together */
     char label[64]; /* stands before the metrics of any numbers, "" for the picture itself */
     ssfr_metric_kind kind;
     ssfr_field *a, *b;
+    const char *err_channel, *err_unit; /* where a reference has its own error */
+    double err_scale;                   /* to that unit */
+    ssfr_field *err;                    /* NULL: it has none */
 } group;
 
 static const group usual[] = {
-    {.channels = "R,G,B", .label = "", .kind = SSFR_METRIC_COLOUR},
-    {.channels = "Z", .label = "Z.", .kind = SSFR_METRIC_DEPTH},
-    {.channels = "N.X,N.Y,N.Z", .label = "N.", .kind = SSFR_METRIC_NORMAL},
-    {.channels = "T", .label = "T.", .kind = SSFR_METRIC_ANY},
+    {.channels = "R,G,B", .label = "", .kind = SSFR_METRIC_COLOUR, .err_channel = "C.err", .err_unit = "1",
+     .err_scale = 1},
+    {.channels = "Z", .label = "Z.", .kind = SSFR_METRIC_DEPTH, .err_channel = "Z.err", .err_unit = "m",
+     .err_scale = 1},
+    {.channels = "N.X,N.Y,N.Z", .label = "N.", .kind = SSFR_METRIC_NORMAL, .err_channel = "N.err", .err_unit = "deg",
+     .err_scale = 180 / M_PI},
+    {.channels = "T", .label = "T.", .kind = SSFR_METRIC_ANY, .err_channel = "T.err", .err_unit = "m", .err_scale = 1},
 };
 
 /* ---- requirements ------------------------------------------------------------------------------------------------ */
@@ -141,8 +151,8 @@ static ssfr_result find_groups(const char *const paths[2], const ssfr_list *chan
     if (channels->n > MAX_GROUPS)
         return ssfr_fail(SSFR_ERR_VALUE, "--channel %s: more than %d of them", channels->items[MAX_GROUPS], MAX_GROUPS);
     for (int i = 0; i < channels->n; i++) groups[(*n)++] = group_of(channels->items[i]);
-    if (*n) goto end;
     for (int i = 0; i < 2; i++) SSFR_TRY(channels_of(paths[i], &has[i]));
+    if (*n) goto end;
     for (size_t i = 0; i < SSFR_COUNT(usual); i++)
         if (ssfr_channels_include(has[0], usual[i].channels) && ssfr_channels_include(has[1], usual[i].channels))
             groups[(*n)++] = usual[i];
@@ -181,45 +191,138 @@ end:
 
 /* ---- measuring --------------------------------------------------------------------------------------------------- */
 
-static ssfr_result add_row(ssfr_csv *csv, const char *metric, const char *unit, double value)
+typedef struct comparison {
+    const char *const *paths; /* A, B */
+    group groups[MAX_GROUPS];
+    int n;
+    ssfr_field *mask; /* what the user counts, of a sample what was cast of it; NULL: all pixels */
+    ssfr_field *cast; /* NULL: all of B is known */
+    int every;        /* px, of the squares of which one pixel was cast each */
+    double radius;    /* m; 0: not known */
+    ssfr_csv *csv;
+    requirement *requirements;
+    int n_requirements;
+} comparison;
+
+static ssfr_result add_bound(ssfr_csv *csv, double value)
+{
+    return isnan(value) ? ssfr_csv_text(csv, "") : ssfr_csv_number(csv, value);
+}
+
+static ssfr_result add_row(const comparison *c, const char *name, const char *unit, const ssfr_sampled *value)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_csv_text(csv, metric));
-    SSFR_TRY(ssfr_csv_text(csv, unit));
-    SSFR_TRY(ssfr_csv_number(csv, value));
-    SSFR_TRY(ssfr_csv_end_row(csv));
+    SSFR_TRY(ssfr_csv_text(c->csv, name));
+    SSFR_TRY(ssfr_csv_text(c->csv, unit));
+    SSFR_TRY(ssfr_csv_number(c->csv, value->value));
+    SSFR_TRY(add_bound(c->csv, value->low));
+    SSFR_TRY(add_bound(c->csv, value->high));
+    SSFR_TRY(ssfr_csv_end_row(c->csv));
+    judge(c->requirements, c->n_requirements, name, unit, value->value);
 end:
     return result;
 }
 
-static ssfr_result measure(ssfr_csv *csv, const group *g, const ssfr_field *mask, requirement *requirements, int n)
+/* Lengths in particle radii, too. */
+static ssfr_result add_rows(const comparison *c, const char *name, const char *unit, const ssfr_sampled *value)
+{
+    ssfr_result result = SSFR_OK;
+    char in_radii[160];
+    const double r = c->radius;
+    SSFR_TRY(add_row(c, name, unit, value));
+    if (strcmp(unit, "m") != 0 || r == 0) goto end;
+    snprintf(in_radii, sizeof in_radii, "%s_radii", name);
+    SSFR_TRY(add_row(c, in_radii, "radii", &(ssfr_sampled){value->value / r, value->low / r, value->high / r}));
+end:
+    return result;
+}
+
+static ssfr_pair pair_of(const comparison *c, const group *g)
+{
+    return (ssfr_pair){.a = g->a, .b = g->b, .mask = c->mask, .sampled = c->cast != NULL};
+}
+
+/* Largest values and counts of a sample are those of the pixels cast, and have no interval. */
+static ssfr_result measure_metric(const comparison *c, const group *g, const ssfr_metric *metric)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_pair pair = pair_of(c, g);
+    ssfr_sampled value = {NAN, NAN, NAN};
+    char name[128];
+    snprintf(name, sizeof name, "%s%s", metric->kind == SSFR_METRIC_ANY ? g->label : "", metric->name);
+    SSFR_TRY(ssfr_metric_measure_pair(metric, &pair, &value.value));
+    if (c->cast && ssfr_metric_is_mean(metric)) SSFR_TRY(ssfr_sampled_metric(metric, &pair, c->cast, c->every, &value));
+    SSFR_TRY(add_rows(c, name, metric->unit, &value));
+end:
+    return result;
+}
+
+typedef struct errors { /* of the reference itself */
+    const comparison *c;
+    const group *g;
+    ssfr_pair pair;
+} errors;
+
+static void error_at(const void *user, int x, int y, double *sum, double *n)
+{
+    const errors *e = user;
+    const bool masked = e->c->mask && *ssfr_field_at(e->c->mask, x, y) == 0;
+    const bool counts = !masked && ssfr_metric_counts(e->g->kind, &e->pair, x, y);
+    *n = counts;
+    *sum = counts ? *ssfr_field_at(e->g->err, x, y) * e->g->err_scale : 0;
+}
+
+/* What the reference says of its own error, over the pixels that the metrics count: no number without it. */
+static ssfr_result measure_errors(const comparison *c, const group *g)
+{
+    ssfr_result result = SSFR_OK;
+    const errors e = {c, g, pair_of(c, g)};
+    const char *ending = strcmp(g->err_unit, "deg") == 0 ? "_deg" : "";
+    double sum = 0, n = 0, largest = 0;
+    char name[64];
+    for (int y = 0; y < g->err->h; y++)
+        for (int x = 0; x < g->err->w; x++) {
+            double value, counts;
+            error_at(&e, x, y, &value, &counts);
+            sum += value, n += counts;
+            largest = isnan(value) || value > largest ? value : largest;
+        }
+    ssfr_sampled mean = {sum / n, NAN, NAN}, max = {n > 0 ? largest : (double)NAN, NAN, NAN};
+    if (c->cast) SSFR_TRY(ssfr_sampled_mean(c->cast, c->every, error_at, &e, &mean));
+    snprintf(name, sizeof name, "%s_mean%s", g->err_channel, ending);
+    SSFR_TRY(add_rows(c, name, g->err_unit, &mean));
+    snprintf(name, sizeof name, "%s_max%s", g->err_channel, ending);
+    SSFR_TRY(add_rows(c, name, g->err_unit, &max));
+end:
+    return result;
+}
+
+static ssfr_result measure(const comparison *c, const group *g)
 {
     ssfr_result result = SSFR_OK;
     for (int i = 0; ssfr_metric_at(i); i++) {
         const ssfr_metric *metric = ssfr_metric_at(i);
-        char name[128];
-        double value = NAN;
-        if (metric->kind != g->kind && metric->kind != SSFR_METRIC_ANY) continue;
-        snprintf(name, sizeof name, "%s%s", metric->kind == SSFR_METRIC_ANY ? g->label : "", metric->name);
-        SSFR_TRY(ssfr_metric_measure(metric, g->a, g->b, mask, &value));
-        SSFR_TRY(add_row(csv, name, metric->unit, value));
-        judge(requirements, n, name, metric->unit, value);
+        const bool fits = metric->kind == g->kind || metric->kind == SSFR_METRIC_ANY;
+        if (fits && !(c->cast && metric->form == SSFR_FORM_WHOLE)) SSFR_TRY(measure_metric(c, g, metric));
     }
+    if (g->err) SSFR_TRY(measure_errors(c, g));
 end:
     return result;
 }
 
 /* m; 0 where neither file says how large the particles are. */
-static double radius_of(const char *const paths[2])
+static double radius_of(const char *const paths[2], const compare_options *options)
 {
+    static const char *const names[] = {"radius", "scene.radius"};
     char error[SSFR_CAPTURE_SIZE];
-    double radius = 0;
+    double radius = options->radius;
     ssfr_capture_begin("compare");
-    for (int i = 0; i < 2 && radius == 0; i++)
-        if (ssfr_output_kind_of(paths[i]) != SSFR_OUTPUT_EXR || ssfr_exr_number(paths[i], "scene.radius", &radius))
-            radius = 0;
+    for (int i = 0; i < 4 && !(radius > 0); i++) { /* the reference first */
+        const char *path = paths[1 - i / 2];
+        if (ssfr_output_kind_of(path) != SSFR_OUTPUT_EXR || ssfr_exr_number(path, names[i % 2], &radius)) radius = 0;
+    }
     ssfr_capture_end(error);
-    return radius;
+    return isfinite(radius) ? radius : 0;
 }
 
 static ssfr_result check_picture(const char *path)
@@ -229,16 +332,14 @@ static ssfr_result check_picture(const char *path)
     return ssfr_output_check_file(path);
 }
 
-static ssfr_result draw_difference(const char *const paths[2], const compare_options *options, const group *groups,
-                                   int n)
+static ssfr_result draw_difference(const comparison *c, const compare_options *options)
 {
     char title[512];
-    const ssfr_difference_picture picture = {
-        .title = title, .radius = radius_of(paths), .range = options->range};
-    snprintf(title, sizeof title, "depth: A = %.200s, B = %.200s", paths[0], paths[1]);
-    for (int i = 0; i < n; i++)
-        if (groups[i].kind == SSFR_METRIC_DEPTH)
-            return ssfr_difference_picture_save(options->picture, groups[i].a, groups[i].b, &picture);
+    const ssfr_difference_picture picture = {.title = title, .radius = c->radius, .range = options->range};
+    snprintf(title, sizeof title, "depth: A = %.200s, B = %.200s", c->paths[0], c->paths[1]);
+    for (int i = 0; i < c->n; i++)
+        if (c->groups[i].kind == SSFR_METRIC_DEPTH)
+            return ssfr_difference_picture_save(options->picture, c->groups[i].a, c->groups[i].b, &picture);
     return ssfr_fail(SSFR_ERR_VALUE, "--picture %s: draws depth, and Z is not compared", options->picture);
 }
 
@@ -255,35 +356,82 @@ static ssfr_result save_difference(const char *path, group *groups, int n)
     return ssfr_exr_save(path, n, layers, 0, NULL);
 }
 
+/* ---- loading ----------------------------------------------------------------------------------------------------- */
+
+static ssfr_result check_sizes(const comparison *c)
+{
+    const ssfr_field *a = c->groups[0].a, *b = c->groups[0].b;
+    if (a->w != b->w || a->h != b->h)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s is %dx%d pixels, %s is %dx%d", c->paths[0], a->w, a->h, c->paths[1], b->w,
+                         b->h);
+    return SSFR_OK;
+}
+
+/* has: the channels of B. A cast of all pixels is no sample. */
+static ssfr_result load_cast(comparison *c, const char *has)
+{
+    ssfr_result result = SSFR_OK;
+    if (!ssfr_channels_include(has, "cast")) return SSFR_OK;
+    SSFR_TRY(ssfr_exr_load(c->paths[1], "cast", &c->cast));
+    SSFR_TRY(ssfr_sampled_find(c->cast, c->paths[1], &c->every));
+    if (c->every == 1) {
+        ssfr_field_destroy(&c->cast);
+    } else if (!c->mask) {
+        SSFR_TRY(ssfr_field_copy(&c->mask, c->cast));
+    } else if (c->mask->w == c->cast->w && c->mask->h == c->cast->h) { /* another size is refused by the metrics */
+        for (int i = 0; i < c->cast->w * c->cast->h; i++)
+            if (c->cast->data[i] == 0) c->mask->data[i] = 0;
+    }
+end:
+    return result;
+}
+
+static ssfr_result load_all(comparison *c, const compare_options *options, const char *has)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < c->n; i++) SSFR_TRY(load(c->paths[0], c->groups[i].channels, &c->groups[i].a));
+    for (int i = 0; i < c->n; i++) SSFR_TRY(load(c->paths[1], c->groups[i].channels, &c->groups[i].b));
+    for (int i = 0; i < c->n; i++) {
+        group *g = &c->groups[i];
+        if (g->err_channel && ssfr_channels_include(has, g->err_channel))
+            SSFR_TRY(ssfr_exr_load(c->paths[1], g->err_channel, &g->err));
+    }
+    SSFR_TRY(check_sizes(c));
+    if (options->mask) SSFR_TRY(load_mask(options->mask, &c->mask));
+    SSFR_TRY(load_cast(c, has));
+    c->radius = radius_of(c->paths, options);
+end:
+    return result;
+}
+
+static void finish(comparison *c)
+{
+    for (int i = 0; i < c->n; i++) {
+        group *g = &c->groups[i];
+        ssfr_field_destroy(&g->a), ssfr_field_destroy(&g->b), ssfr_field_destroy(&g->err);
+    }
+    ssfr_field_destroy(&c->mask);
+    ssfr_field_destroy(&c->cast);
+    ssfr_csv_destroy(&c->csv);
+}
+
 static ssfr_result compare(const char *const paths[2], const compare_options *options, requirement *requirements)
 {
-    static const char *const columns[] = {"metric", "unit", "value"};
+    static const char *const columns[] = {"metric", "unit", "value", "low", "high"};
     ssfr_result result = SSFR_OK;
-    group groups[MAX_GROUPS] = {0};
+    comparison c = {.paths = paths, .requirements = requirements, .n_requirements = options->requirements.n};
     char *has[2] = {NULL, NULL};
-    int n = 0;
-    ssfr_field *mask = NULL;
-    ssfr_csv *csv = NULL;
-    SSFR_TRY(find_groups(paths, &options->channels, has, groups, &n));
-    if (options->mask) SSFR_TRY(load_mask(options->mask, &mask));
-    for (int i = 0; i < n; i++) SSFR_TRY(load(paths[0], groups[i].channels, &groups[i].a));
-    for (int i = 0; i < n; i++) SSFR_TRY(load(paths[1], groups[i].channels, &groups[i].b));
-    if (groups[0].a->w != groups[0].b->w || groups[0].a->h != groups[0].b->h) {
-        result = ssfr_fail(SSFR_ERR_VALUE, "%s is %dx%d pixels, %s is %dx%d", paths[0], groups[0].a->w, groups[0].a->h,
-                           paths[1], groups[0].b->w, groups[0].b->h);
-        goto end;
-    }
-    if (options->picture) SSFR_TRY(draw_difference(paths, options, groups, n));
-    SSFR_TRY(ssfr_csv_create(&csv, NULL, SSFR_COUNT(columns), columns, 1, false));
-    for (int i = 0; i < n; i++) SSFR_TRY(measure(csv, &groups[i], mask, requirements, options->requirements.n));
+    SSFR_TRY(find_groups(paths, &options->channels, has, c.groups, &c.n));
+    SSFR_TRY(load_all(&c, options, has[1]));
+    if (options->picture) SSFR_TRY(draw_difference(&c, options));
+    SSFR_TRY(ssfr_csv_create(&c.csv, NULL, SSFR_COUNT(columns), columns, 1, false));
+    for (int i = 0; i < c.n; i++) SSFR_TRY(measure(&c, &c.groups[i]));
     SSFR_TRY(check_measured(requirements, options->requirements.n));
-    if (options->diff) SSFR_TRY(save_difference(options->diff, groups, n));
+    if (options->diff) SSFR_TRY(save_difference(options->diff, c.groups, c.n));
 end:
-    for (int i = 0; i < n; i++) ssfr_field_destroy(&groups[i].a), ssfr_field_destroy(&groups[i].b);
+    finish(&c);
     free(has[0]);
     free(has[1]);
-    ssfr_field_destroy(&mask);
-    ssfr_csv_destroy(&csv);
     return result;
 }
 
@@ -297,7 +445,17 @@ int ssfr_cmd_compare(int argc, char **argv)
     const ssfr_option_set sets[] = {{"compare", rows, &options}, {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0], .arguments = "A B", .min_arguments = 2, .max_arguments = 2, .sets = sets,
-        .help = "Measures how A lies from the reference B, each an EXR or a PNG, and prints metric,unit,value as CSV."};
+        .help = "Measures how A lies from the reference B, each an EXR or a PNG, and prints "
+                "metric,unit,value,low,high as CSV. Lengths come in particle radii, too, where the radius is "
+                "known. Where B tells its own error (Z.err, N.err, T.err, C.err), its mean and maximum over the "
+                "pixels counted stand in rows of these names. Where B has a channel cast that is 0 somewhere, as "
+                "of 'ssfr truth --every N', only the pixels cast count. Means and what is made of them are then "
+                "estimates for the whole image, each pixel weighted by the size of its square, and low to high is "
+                "a 95 % interval: one pixel a square is a stratified sample, its variance that of pairs of "
+                "neighbouring squares (collapsed strata), with Student's quantile. Largest values and counts are "
+                "those of the pixels cast, without an interval; whether a pixel is interior or at an edge is then "
+                "asked of its neighbours in A alone; ssim and flip, which look around pixels, are left out. "
+                "Elsewhere low and high are empty."};
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
     if (line.help) goto end;
     for (int i = 0; i < options.requirements.n; i++)

@@ -131,7 +131,7 @@ ssfr_result ssfr_flip_hdr_map(const ssfr_pair *pair, double ppd, ssfr_flip_tone 
         const double exposure = ssfr_mix(e->start, e->stop, (double)i / ssfr_max_int(e->n - 1, 1));
         develop(pair->a, tone, exposure, a);
         develop(pair->b, tone, exposure, b);
-        SSFR_TRY(ssfr_flip_map(&(ssfr_pair){a, b, NULL}, ppd, &map));
+        SSFR_TRY(ssfr_flip_map(&(ssfr_pair){.a = a, .b = b}, ppd, &map));
         keep_larger(map, largest);
         ssfr_field_destroy(&map);
     }

@@ -49,35 +49,10 @@ end:
     return result;
 }
 
-ssfr_result ssfr_tally_mean(const ssfr_pair *pair, ssfr_visit *visit, double *out)
+double ssfr_tally_mean(const ssfr_tally *tally, ssfr_metric_form form)
 {
-    ssfr_tally tally;
-    const ssfr_result result = ssfr_tally_pixels(pair, visit, &tally);
-    if (result == SSFR_OK) *out = tally.n ? tally.sum / (double)tally.n : (double)NAN;
-    return result;
-}
-
-ssfr_result ssfr_tally_mean_square(const ssfr_pair *pair, ssfr_visit *visit, double *out)
-{
-    ssfr_tally tally;
-    const ssfr_result result = ssfr_tally_pixels(pair, visit, &tally);
-    if (result == SSFR_OK) *out = tally.n ? tally.squares / (double)tally.n : (double)NAN;
-    return result;
-}
-
-ssfr_result ssfr_tally_rms(const ssfr_pair *pair, ssfr_visit *visit, double *out)
-{
-    const ssfr_result result = ssfr_tally_mean_square(pair, visit, out);
-    if (result == SSFR_OK) *out = sqrt(*out);
-    return result;
-}
-
-ssfr_result ssfr_tally_max(const ssfr_pair *pair, ssfr_visit *visit, double *out)
-{
-    ssfr_tally tally;
-    const ssfr_result result = ssfr_tally_pixels(pair, visit, &tally);
-    if (result == SSFR_OK) *out = tally.n ? tally.max : (double)NAN;
-    return result;
+    const bool squares = form == SSFR_FORM_MEAN_SQUARE || form == SSFR_FORM_RMS || form == SSFR_FORM_PSNR;
+    return tally->n ? (squares ? tally->squares : tally->sum) / (double)tally->n : (double)NAN;
 }
 
 static void visit_map(const ssfr_pair *pair, int x, int y, ssfr_tally *tally)
@@ -87,5 +62,8 @@ static void visit_map(const ssfr_pair *pair, int x, int y, ssfr_tally *tally)
 
 ssfr_result ssfr_tally_map(const ssfr_field *map, const ssfr_field *mask, double *out)
 {
-    return ssfr_tally_mean(&(ssfr_pair){map, map, mask}, visit_map, out);
+    ssfr_tally tally;
+    const ssfr_result result = ssfr_tally_pixels(&(ssfr_pair){.a = map, .b = map, .mask = mask}, visit_map, &tally);
+    if (result == SSFR_OK) *out = ssfr_tally_mean(&tally, SSFR_FORM_MEAN);
+    return result;
 }

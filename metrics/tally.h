@@ -8,10 +8,10 @@
 #include "base/base.h"
 
 /* Of the values v that were added: how many, sum of v, sum of v^2, largest |v|. NaN spreads to the last three. */
-typedef struct ssfr_tally {
+struct ssfr_tally {
     size_t n;
     double sum, squares, max;
-} ssfr_tally;
+};
 
 /* The larger, or NaN when either is. */
 static inline double ssfr_tally_larger(double a, double b)
@@ -35,16 +35,10 @@ static inline bool ssfr_pair_counts(const ssfr_pair *pair, int x, int y)
 /* SSFR_ERR_VALUE for sizes or channels that do not fit, in the name of a metric. */
 SSFR_MUST ssfr_result ssfr_pair_check(const ssfr_pair *pair, const char *name, ssfr_metric_kind kind);
 
-/* Adds what a counted pixel is worth, which may be nothing or several values. */
-typedef void ssfr_visit(const ssfr_pair *pair, int x, int y, ssfr_tally *tally);
-
 SSFR_MUST ssfr_result ssfr_tally_pixels(const ssfr_pair *pair, ssfr_visit *visit, ssfr_tally *out);
 
-/* The same, and what was asked of it in *out: NaN when nothing was added. */
-SSFR_MUST ssfr_result ssfr_tally_mean(const ssfr_pair *pair, ssfr_visit *visit, double *out);
-SSFR_MUST ssfr_result ssfr_tally_mean_square(const ssfr_pair *pair, ssfr_visit *visit, double *out);
-SSFR_MUST ssfr_result ssfr_tally_rms(const ssfr_pair *pair, ssfr_visit *visit, double *out);
-SSFR_MUST ssfr_result ssfr_tally_max(const ssfr_pair *pair, ssfr_visit *visit, double *out);
+/* The mean that a form is made of: of the values, or of their squares. NaN when nothing was added. */
+double ssfr_tally_mean(const ssfr_tally *tally, ssfr_metric_form form);
 
 /* The mean of a map of one channel where the mask counts; mask may be NULL. */
 SSFR_MUST ssfr_result ssfr_tally_map(const ssfr_field *map, const ssfr_field *mask, double *out);

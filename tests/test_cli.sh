@@ -134,8 +134,8 @@ refuses 'scene without a word that it knows' 'show: expected list, make, info, i
 # ---- comparing ----
 
 accepts 'an image with itself' compare block.exr block.exr
-that 'the CSV has its header' [ "$(head -n 1 out)" = 'metric,unit,value' ]
-that 'each row has three cells' awk -F, 'NF != 3 { exit 1 }' out
+that 'the CSV has its header' [ "$(head -n 1 out)" = 'metric,unit,value,low,high' ]
+that 'each row has five cells' awk -F, 'NF != 5 { exit 1 }' out
 cp out same.csv
 that 'its PSNR is infinite' [ "$(csv_value same.csv psnr)" = inf ]
 that 'its SSIM is 1' [ "$(csv_value same.csv ssim)" = 1 ]

@@ -46,7 +46,7 @@ static double measure(const char *name, const ssfr_field *a, const ssfr_field *b
 static ssfr_field *map_of(const ssfr_field *a, const ssfr_field *b, double ppd)
 {
     ssfr_field *map = NULL;
-    assert_int_equal(ssfr_flip_map(&(ssfr_pair){a, b, NULL}, ppd, &map), SSFR_OK);
+    assert_int_equal(ssfr_flip_map(&(ssfr_pair){.a = a, .b = b}, ppd, &map), SSFR_OK);
     assert_true(map->w == a->w && map->h == a->h && map->c == 1);
     return map;
 }
@@ -55,7 +55,7 @@ static ssfr_field *hdr_map_of(const ssfr_field *a, const ssfr_field *b, ssfr_fli
                               ssfr_flip_exposures exposures)
 {
     ssfr_field *map = NULL;
-    const ssfr_pair pair = {a, b, NULL};
+    const ssfr_pair pair = {.a = a, .b = b};
     assert_int_equal(ssfr_flip_hdr_map(&pair, SSFR_FLIP_PPD, tone, &exposures, &map), SSFR_OK);
     return map;
 }
@@ -63,7 +63,7 @@ static ssfr_field *hdr_map_of(const ssfr_field *a, const ssfr_field *b, ssfr_fli
 static ssfr_flip_exposures exposures_of(const ssfr_field *b, const ssfr_field *mask, ssfr_flip_tone tone)
 {
     ssfr_flip_exposures exposures;
-    assert_int_equal(ssfr_flip_expose(&(ssfr_pair){b, b, mask}, tone, &exposures), SSFR_OK);
+    assert_int_equal(ssfr_flip_expose(&(ssfr_pair){.a = b, .b = b, .mask = mask}, tone, &exposures), SSFR_OK);
     return exposures;
 }
 
@@ -711,11 +711,11 @@ static void what_cannot_be_seen_is_refused(void **state)
     static const double ppds[] = {0, -67, 0.999, 1000.5, INFINITY, (double)NAN};
     ssfr_field *a = make(4, 3, 3, 0.5), *b = make(4, 4, 3, 0.5), *two = make(4, 3, 2, 0.5), *map = a;
     for (size_t i = 0; i < SSFR_COUNT(ppds); i++) {
-        assert_fails(SSFR_ERR_VALUE, ssfr_flip_map(&(ssfr_pair){a, a, NULL}, ppds[i], &map), "pixels per degree");
+        assert_fails(SSFR_ERR_VALUE, ssfr_flip_map(&(ssfr_pair){.a = a, .b = a}, ppds[i], &map), "pixels per degree");
         assert_null(map);
     }
-    assert_fails(SSFR_ERR_VALUE, ssfr_flip_map(&(ssfr_pair){a, b, NULL}, 67, &map), "flip: 4 x 3 pixels");
-    assert_fails(SSFR_ERR_VALUE, ssfr_flip_map(&(ssfr_pair){two, two, NULL}, 67, &map), "2 channels do not make");
+    assert_fails(SSFR_ERR_VALUE, ssfr_flip_map(&(ssfr_pair){.a = a, .b = b}, 67, &map), "flip: 4 x 3 pixels");
+    assert_fails(SSFR_ERR_VALUE, ssfr_flip_map(&(ssfr_pair){.a = two, .b = two}, 67, &map), "2 channels do not make");
     ssfr_field_destroy(&a);
     ssfr_field_destroy(&b);
     ssfr_field_destroy(&two);
@@ -727,7 +727,7 @@ static void exposures_that_are_none_are_refused(void **state)
     static const ssfr_flip_exposures bad[] = {{0, 1, 0}, {0, 1, -2}, {(double)NAN, 1, 2}, {0, INFINITY, 2}};
     const ssfr_flip_exposures good = {0, 1, 2};
     ssfr_field *a = make(4, 3, 3, 0.5), *b = make(4, 4, 3, 0.5), *map = a;
-    const ssfr_pair same = {a, a, NULL}, different = {a, b, NULL};
+    const ssfr_pair same = {.a = a, .b = a}, different = {.a = a, .b = b};
     ssfr_flip_exposures e;
     for (size_t i = 0; i < SSFR_COUNT(bad); i++) {
         assert_fails(SSFR_ERR_VALUE, ssfr_flip_hdr_map(&same, 67, SSFR_FLIP_ACES, &bad[i], &map), "exposures from");

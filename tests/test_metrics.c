@@ -59,7 +59,7 @@ static void every_metric_is_found_by_its_name(void **state)
         assert_ptr_equal(ssfr_metric_find(m->name), m);
         assert_true(strlen(m->help) > 10 && strlen(m->unit) > 0 && strlen(ssfr_metric_kind_name(m->kind)) > 0);
     }
-    assert_int_equal(n, 17);
+    assert_int_equal(n, 21);
     assert_null(ssfr_metric_find("depth"));
     assert_null(ssfr_metric_at(-1));
 }
@@ -358,6 +358,85 @@ static void what_opencv_throws_comes_back_as_one_line(void **state)
     assert_true(strlen(message) > 10);
 }
 
+/* Interior 0.01 and one of 0.03, the rest 0.5 behind. */
+static void biases_and_maxima_of_the_interior_stand_apart(void **state)
+{
+    (void)state;
+    ssfr_field *a = make(40, 30, 1, -SSFR_EMPTY), *b = make(40, 30, 1, -SSFR_EMPTY);
+    fill_rectangle(b, 5, 5, 35, 25, -1.5);
+    fill_rectangle(a, 5, 5, 35, 25, -2);
+    fill_rectangle(a, 6, 6, 34, 24, -1.51);
+    *ssfr_field_at(a, 10, 10) = -1.53;
+    assert_close(measure("depth_mean_interior", a, b), -0.01 - 0.02 / (28 * 18), 0, 1e-12);
+    assert_close(measure("depth_max_interior", a, b), 0.03, 0, 1e-12);
+    assert_close(measure("depth_max", a, b), 0.5, 0, 1e-12);
+    ssfr_field_destroy(&a);
+    ssfr_field_destroy(&b);
+}
+
+/* Of a sampled reference only single pixels are known: then a alone says what is interior. */
+static void a_sampled_reference_leaves_neighbours_to_the_measured_image(void **state)
+{
+    (void)state;
+    ssfr_field *a = make(40, 30, 1, -1.5), *b = make(40, 30, 1, -SSFR_EMPTY), *mask = make(40, 30, 1, 0);
+    const ssfr_pair pair = {.a = a, .b = b, .mask = mask, .sampled = true};
+    double interior = 0, edge = 0;
+    *ssfr_field_at(a, 20, 20) = -SSFR_EMPTY;
+    *ssfr_field_at(b, 10, 10) = -1.52, *ssfr_field_at(b, 21, 21) = -1.57;
+    *ssfr_field_at(mask, 10, 10) = *ssfr_field_at(mask, 21, 21) = 1;
+    const ssfr_metric *within = ssfr_metric_find("depth_rms_interior"), *at = ssfr_metric_find("depth_rms_edge");
+    assert_int_equal(ssfr_metric_measure_pair(within, &pair, &interior), SSFR_OK);
+    assert_int_equal(ssfr_metric_measure_pair(at, &pair, &edge), SSFR_OK);
+    assert_close(interior, 0.02, 0, 1e-12);
+    assert_close(edge, 0.07, 0, 1e-12);
+    assert_true(isnan(measure_masked("depth_rms_interior", a, b, mask)));
+    ssfr_field_destroy(&a);
+    ssfr_field_destroy(&b);
+    ssfr_field_destroy(&mask);
+}
+
+/* The mean over pixels of what each adds is the metric itself. */
+static void pixels_add_up_to_the_metric(void **state)
+{
+    (void)state;
+    for (int i = 0; ssfr_metric_at(i); i++) {
+        const ssfr_metric *m = ssfr_metric_at(i);
+        if (!ssfr_metric_is_mean(m)) continue;
+        ssfr_field *b = make_kind(m->kind, 23, 17, 5), *a = make_noisy(b, 0.01), *mask = make(23, 17, 1, 1);
+        const ssfr_pair pair = {.a = a, .b = b, .mask = mask};
+        double sum = 0, n = 0;
+        fill_rectangle(mask, 0, 0, 10, 9, 0);
+        for (int k = 0; k < 23 * 17; k++) {
+            double value, counts;
+            ssfr_metric_at_pixel(m, &pair, k % 23, k / 23, &value, &counts);
+            sum += value, n += counts;
+        }
+        assert_close(ssfr_metric_of_mean(m, sum / n), measure_masked(m->name, a, b, mask), 0, 1e-12);
+        ssfr_field_destroy(&a);
+        ssfr_field_destroy(&b);
+        ssfr_field_destroy(&mask);
+    }
+}
+
+static void normals_of_interior_and_edge_share_out_the_surface(void **state)
+{
+    (void)state;
+    ssfr_field *a = make(20, 15, 3, 0), *b = make(20, 15, 3, 0);
+    for (int y = 3; y < 12; y++)
+        for (int x = 4; x < 16; x++) {
+            const bool edge = x == 4 || x == 15 || y == 3 || y == 11;
+            ssfr_field_at(b, x, y)[2] = 1;
+            ssfr_field_at(a, x, y)[0] = sin(edge ? 0.5 : 0.1), ssfr_field_at(a, x, y)[2] = cos(edge ? 0.5 : 0.1);
+        }
+    assert_close(measure("normal_mean_interior_deg", a, b) * M_PI / 180, 0.1, 0, 1e-12);
+    assert_close(measure("normal_mean_edge_deg", a, b) * M_PI / 180, 0.5, 0, 1e-12);
+    assert_close(measure("normal_mean_deg", a, b) * M_PI / 180, (70 * 0.1 + 38 * 0.5) / 108, 0, 1e-12);
+    assert_true(ssfr_metric_counts(SSFR_METRIC_NORMAL, &(ssfr_pair){.a = a, .b = b}, 4, 3));
+    assert_false(ssfr_metric_counts(SSFR_METRIC_NORMAL, &(ssfr_pair){.a = a, .b = b}, 3, 3));
+    ssfr_field_destroy(&a);
+    ssfr_field_destroy(&b);
+}
+
 /* ---- all of them ------------------------------------------------------------------------------------------------ */
 
 static void masks_leave_out_what_they_hide(void **state)
@@ -422,7 +501,7 @@ static void one_pixel_is_enough(void **state)
     for (int i = 0; ssfr_metric_at(i); i++) {
         const ssfr_metric *m = ssfr_metric_at(i);
         ssfr_field *a = make_kind(m->kind, 1, 1, 1), *b = make_kind(m->kind, 1, 1, 2);
-        const bool empty = strcmp(m->name, "depth_rms_interior") == 0; /* no pixel there has neighbours */
+        const bool empty = strstr(m->name, "interior") != NULL; /* no pixel there has neighbours */
         assert_true(empty ? isnan(measure(m->name, a, b)) : isfinite(measure(m->name, a, b)));
         ssfr_field_destroy(&a);
         ssfr_field_destroy(&b);
@@ -490,6 +569,10 @@ int main(void)
         cmocka_unit_test(ssim_agrees_with_its_definition_on_0_to_255),
         cmocka_unit_test(ssim_under_a_mask_is_the_mean_over_it),
         cmocka_unit_test(what_opencv_throws_comes_back_as_one_line),
+        cmocka_unit_test(biases_and_maxima_of_the_interior_stand_apart),
+        cmocka_unit_test(normals_of_interior_and_edge_share_out_the_surface),
+        cmocka_unit_test(a_sampled_reference_leaves_neighbours_to_the_measured_image),
+        cmocka_unit_test(pixels_add_up_to_the_metric),
         cmocka_unit_test(masks_leave_out_what_they_hide),
         cmocka_unit_test(nan_on_either_side_makes_nan),
         cmocka_unit_test(infinities_are_counted_and_do_not_crash),

@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* test_sampled.c: samples of one pixel a square: found, without bias, and their intervals hold in 95 of 100 samples. */
+#include "experiments/sampled.h"
+#include "tests/util.h"
+
+static ssfr_field *make(int w, int h, int c, double value)
+{
+    ssfr_field *field = NULL;
+    assert_int_equal(ssfr_field_create(&field, w, h, c), SSFR_OK);
+    ssfr_field_fill(field, value);
+    return field;
+}
+
+/* One pixel of each square of N x N. */
+static ssfr_field *draw_cast(int w, int h, int every, uint64_t seed)
+{
+    ssfr_field *cast = make(w, h, 1, 0);
+    for (int y = 0; y < h; y += every)
+        for (int x = 0; x < w; x += every) {
+            const double across = test_random(&seed, 0, ssfr_min_int(every, w - x));
+            const double down = test_random(&seed, 0, ssfr_min_int(every, h - y));
+            *ssfr_field_at(cast, x + (int)across, y + (int)down) = 1;
+        }
+    return cast;
+}
+
+/* ---- what is a sample -------------------------------------------------------------------------------------------- */
+
+static void the_size_of_squares_is_found(void **state)
+{
+    (void)state;
+    static const int sizes[][2] = {{64, 48}, {61, 47}, {5, 90}, {1, 1}};
+    for (size_t i = 0; i < SSFR_COUNT(sizes); i++)
+        for (int every = 1; every <= 9; every++) {
+            const int w = sizes[i][0], h = sizes[i][1], largest = ssfr_max_int(w, h);
+            ssfr_field *cast = draw_cast(w, h, every, 7 + (uint64_t)every);
+            int found = 0;
+            assert_int_equal(ssfr_sampled_find(cast, "t.exr", &found), SSFR_OK);
+            assert_true(found == every || every > largest);
+            ssfr_field_destroy(&cast);
+        }
+}
+
+static void what_is_no_sample_is_refused(void **state)
+{
+    (void)state;
+    ssfr_field *cast = draw_cast(64, 48, 4, 3), *none = make(64, 48, 1, 0);
+    int every;
+    assert_fails(SSFR_ERR_VALUE, ssfr_sampled_find(none, "t.exr", &every), "t.exr: cast is not 0 at 0 of 64x48");
+    for (int i = 0; i < 64 * 48; i++)
+        if (cast->data[i] != 0) {
+            cast->data[i] = 0;
+            break;
+        }
+    assert_fails(SSFR_ERR_VALUE, ssfr_sampled_find(cast, "t.exr", &every), "at 191 of 64x48 pixels");
+    *ssfr_field_at(cast, 63, 47) = *ssfr_field_at(cast, 62, 47) = 1; /* as many, but two in one square */
+    assert_fails(SSFR_ERR_VALUE, ssfr_sampled_find(cast, "t.exr", &every), "not one of each square");
+    ssfr_field_destroy(&cast);
+    ssfr_field_destroy(&none);
+}
+
+/* ---- the estimate ------------------------------------------------------------------------------------------------ */
+
+/* Of the square's pixels all are equally likely, so that where squares are cut theirs count for less. */
+static void pixels_are_weighted_by_their_squares(void **state)
+{
+    (void)state;
+    ssfr_field *a = make(5, 4, 1, -1), *b = make(5, 4, 1, -1), *cast = make(5, 4, 1, 0);
+    ssfr_sampled s;
+    const ssfr_pair pair = {.a = a, .b = b, .mask = cast, .sampled = true};
+    *ssfr_field_at(cast, 1, 2) = *ssfr_field_at(cast, 4, 1) = 1; /* squares of 16 and of 4 pixels */
+    *ssfr_field_at(a, 1, 2) += 0.01;
+    *ssfr_field_at(a, 4, 1) -= 0.02;
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("depth_mean"), &pair, cast, 4, &s), SSFR_OK);
+    assert_close(s.value, 0.8 * 0.01 - 0.2 * 0.02, 0, 1e-12);
+    assert_true(s.low == -INFINITY && s.high == INFINITY); /* two pixels tell nothing */
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("depth_rms"), &pair, cast, 4, &s), SSFR_OK);
+    assert_close(s.value, sqrt(0.8 * 1e-4 + 0.2 * 4e-4), 0, 1e-12);
+    assert_true(s.low == 0 && s.high == INFINITY);
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("silhouette_iou"), &pair, cast, 4, &s), SSFR_OK);
+    assert_true(s.value == 1 && s.low == 0 && s.high == 1);
+    a->data[4 + 5] = (double)NAN;
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("depth_rms"), &pair, cast, 4, &s), SSFR_OK);
+    assert_true(isnan(s.value) && isnan(s.high));
+    ssfr_field_destroy(&a), ssfr_field_destroy(&b), ssfr_field_destroy(&cast);
+}
+
+/* A pair of squares (d_1, d_2) has the variance (d_1 - d_2)^2: here all pairs have the same, so that there are as many
+ * degrees of freedom as pairs. */
+static void the_interval_of_alternating_values_is_known(void **state)
+{
+    (void)state;
+    enum { PAIRS = 20 };
+    ssfr_field *a = make(4 * PAIRS, 2, 1, 0), *b = make(4 * PAIRS, 2, 1, 0), *cast = make(4 * PAIRS, 2, 1, 0);
+    const ssfr_pair pair = {.a = a, .b = b, .mask = cast, .sampled = true};
+    ssfr_sampled s;
+    for (int i = 0; i < 2 * PAIRS; i++) *ssfr_field_at(cast, 2 * i, 1) = 1, *ssfr_field_at(a, 2 * i, 1) = 3 + i % 2;
+    for (int i = 0; i < 8 * PAIRS; i++) a->data[i] = sqrt(a->data[i]); /* mse squares it */
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("mse"), &pair, cast, 2, &s), SSFR_OK);
+    assert_close(s.value, 3.5, 0, 1e-12);
+    const double half = 2.0859634472658 * sqrt(PAIRS) / (2 * PAIRS); /* Student's with 20 degrees, from tables */
+    assert_close(s.high - s.value, half, 0, 1e-9);
+    assert_close(s.value - s.low, half, 0, 1e-9);
+    ssfr_field_destroy(&a), ssfr_field_destroy(&b), ssfr_field_destroy(&cast);
+}
+
+/* Where all that was cast agrees, a share that was not seen may still differ. */
+static void a_share_of_one_has_an_interval(void **state)
+{
+    (void)state;
+    ssfr_field *a = make(60, 60, 1, -1), *cast = draw_cast(60, 60, 6, 3);
+    const ssfr_pair pair = {.a = a, .b = a, .mask = cast, .sampled = true};
+    ssfr_sampled s;
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("silhouette_iou"), &pair, cast, 6, &s), SSFR_OK);
+    assert_true(s.value == 1 && s.high == 1);
+    assert_close(s.low, 1 + log(0.025) / 100, 0, 1e-12); /* of 100 squares */
+    ssfr_field_destroy(&a), ssfr_field_destroy(&cast);
+}
+
+enum { W = 93, H = 71 }; /* squares are cut on both sides */
+
+typedef struct scene { /* two images of a blob on the ground; the blob of b is a little larger */
+    ssfr_field *depth[2], *normal[2], *colour[2];
+} scene;
+
+static scene make_scene(void)
+{
+    scene s;
+    uint64_t seed = 5;
+    for (int k = 0; k < 2; k++) {
+        s.depth[k] = make(W, H, 1, -SSFR_EMPTY), s.normal[k] = make(W, H, 3, 0), s.colour[k] = make(W, H, 3, 0.2);
+        for (int i = 0; i < W * H; i++) {
+            const double u = (i % W - 0.45 * W) / (0.35 * W), v = (i / W - 0.5 * H) / (0.4 * H), r2 = u * u + v * v;
+            const double noise = test_random(&seed, -0.02, 0.02) * k;
+            if (r2 > (k ? 1.1 : 1)) continue;
+            s.depth[k]->data[i] = -2.385 + 0.3 * (1.2 - r2) * (k ? 1 : 1.1) + noise;
+            double *normal = s.normal[k]->data + 3 * i;
+            normal[0] = u + noise, normal[1] = v - 0.1 * k, normal[2] = 1;
+            ssfr_normalize(normal);
+            for (int c = 0; c < 3; c++)
+                s.colour[k]->data[3 * i + c] = 0.3 + 0.2 * u * (c + 1) / 3 * (k ? 1 : 0.9) + noise;
+        }
+    }
+    return s;
+}
+
+static void finish(scene *s)
+{
+    for (int k = 0; k < 2; k++)
+        ssfr_field_destroy(&s->depth[k]), ssfr_field_destroy(&s->normal[k]), ssfr_field_destroy(&s->colour[k]);
+}
+
+/* As the file of a truth holds it: nothing where nothing was cast. */
+static ssfr_field *hide(const ssfr_field *of, const ssfr_field *cast, double empty)
+{
+    ssfr_field *field = make(of->w, of->h, of->c, empty);
+    for (int i = 0; i < of->w * of->h; i++)
+        if (cast->data[i] != 0)
+            for (int c = 0; c < of->c; c++) field->data[i * of->c + c] = of->data[i * of->c + c];
+    return field;
+}
+
+typedef struct coverage {
+    int n, held;
+    double sum, width; /* of estimates and of intervals */
+} coverage;
+
+static void try_sample(const char *name, const ssfr_field *a, const ssfr_field *b, double empty, uint64_t seed,
+                       double whole, coverage *out)
+{
+    ssfr_field *cast = draw_cast(W, H, 6, seed), *seen = hide(b, cast, empty);
+    const ssfr_pair pair = {.a = a, .b = seen, .mask = cast, .sampled = true};
+    ssfr_sampled s;
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find(name), &pair, cast, 6, &s), SSFR_OK);
+    assert_true(s.low <= s.value && s.value <= s.high);
+    out->n++;
+    out->held += s.low <= whole && whole <= s.high;
+    out->sum += s.value;
+    out->width += fmin(s.high - s.low, 100); /* psnr has no upper end where no error is not excluded */
+    ssfr_field_destroy(&seen);
+    ssfr_field_destroy(&cast);
+}
+
+/* Pairs of neighbours differ by what the picture does between them, so that intervals are rather too wide. That the
+ * interior is asked of a alone changes nothing where a's surface is the smaller one. */
+static void intervals_hold_in_95_of_100_samples(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"depth_mean", "depth_rms", "depth_mean_interior", "silhouette_iou",
+                                        "normal_mean_deg", "normal_mean_interior_deg", "psnr", "mse"};
+    enum { SAMPLES = 400 };
+    scene s = make_scene();
+    for (size_t i = 0; i < SSFR_COUNT(names); i++) {
+        const ssfr_metric *metric = ssfr_metric_find(names[i]);
+        const bool normal = metric->kind == SSFR_METRIC_NORMAL, depth = metric->kind == SSFR_METRIC_DEPTH;
+        ssfr_field *const *images = normal ? s.normal : depth ? s.depth : s.colour;
+        coverage c = {0};
+        double whole = NAN;
+        assert_int_equal(ssfr_metric_measure(metric, images[0], images[1], NULL, &whole), SSFR_OK);
+        for (uint64_t seed = 1; seed <= SAMPLES; seed++)
+            try_sample(names[i], images[0], images[1], depth ? -SSFR_EMPTY : 0, 977 * seed, whole, &c);
+        assert_true(c.held >= SAMPLES * 92 / 100);
+        assert_close(c.sum / c.n, whole, 0.2 * c.width / c.n, 0); /* no bias to speak of */
+    }
+    finish(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_size_of_squares_is_found),
+        cmocka_unit_test(what_is_no_sample_is_refused),
+        cmocka_unit_test(pixels_are_weighted_by_their_squares),
+        cmocka_unit_test(the_interval_of_alternating_values_is_known),
+        cmocka_unit_test(a_share_of_one_has_an_interval),
+        cmocka_unit_test(intervals_hold_in_95_of_100_samples),
+    };
+    return cmocka_run_group_tests(tests, test_capture_log, NULL);
+}
