@@ -51,7 +51,8 @@ that 'but the radius' has out depth_rms_radii
 
 accepts 'a picture with a sample of its truth' compare a.exr some.exr
 cp out some.csv
-that 'means have intervals around them' holds some.csv 'low["depth_mean"] != "" && low["depth_mean"] < v["depth_mean"] &&
+that 'means have intervals around them' \
+    holds some.csv 'low["depth_mean"] != "" && low["depth_mean"] < v["depth_mean"] &&
     v["depth_mean"] < high["depth_mean"] && low["depth_rms"] < v["depth_rms"] && v["depth_rms"] < high["depth_rms"] &&
     low["psnr"] < v["psnr"] && v["psnr"] < high["psnr"] && low["Z.err_mean"] < high["Z.err_mean"]'
 for metric in depth_rms depth_mean normal_mean_deg silhouette_iou psnr; do

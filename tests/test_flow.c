@@ -412,6 +412,24 @@ static void threads_change_no_bit(void **state)
     omp_set_num_threads(n_threads);
 }
 
+/* The run that the flow takes over is there only where the pass ran. */
+static void a_pass_that_was_left_out_has_no_run(void **state)
+{
+    ssfr_node_status status;
+    test_twin *t = begin(state, 5, 4);
+    assert_null(ssfr_graph_last_run(t->graph, 0));
+    test_twin_give(t, "depth", bump(5, 4));
+    test_twin_set(t, "iterations", "0");
+    test_twin_run_if_needed(t, "smooth", &status);
+    assert_int_equal(status, SSFR_NEEDLESS);
+    assert_null(ssfr_graph_last_run(t->graph, 0));
+    test_twin_set(t, "iterations", "1");
+    test_twin_run_if_needed(t, "smooth", &status);
+    assert_non_null(ssfr_graph_last_run(t->graph, 0));
+    assert_null(ssfr_graph_last_run(t->graph, 1));
+    assert_null(ssfr_graph_last_run(t->graph, -1));
+}
+
 int main(void)
 {
 #define TEST(test) {#test, test, NULL, test_clean, "cpu"}
@@ -431,6 +449,7 @@ int main(void)
         TEST(images_that_are_too_large_are_refused),
         TEST(wild_depths_never_make_nan),
         TEST(threads_change_no_bit),
+        TEST(a_pass_that_was_left_out_has_no_run),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }
