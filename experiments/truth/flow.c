@@ -13,7 +13,7 @@ enum {
     MAX_TRIES = 10000, /* steps of a run, those that were taken back included */
     MAX_EXACT = MAX_TRIES / 2, /* of them until crossings are located; then all cuts flicker, so that it ends */
     MAX_LOCATING = 48, /* tries for one crossing: the secant takes 2 to 5 */
-    FLICKER = 4,       /* quick changes that are none of smooth flow */
+    FLICKER = 4,       /* changes of a pixel's cuts, each soon after the last: from then on they flicker */
 };
 
 static const double first_try = 1e-2; /* steps of the pass; the control finds the right size from there */
@@ -30,8 +30,8 @@ typedef struct flow {
     int *pixel;          /* of each unknown, x + w y */
     int *unknown;        /* of each pixel, -1 for holes */
     unsigned char *cuts; /* of each unknown, while a step is tried */
-    unsigned char *quick; /* how many changes, each soon after the last, make its cuts flicker */
-    double *due;         /* time until which they then stay whatever happens */
+    unsigned char *quick; /* how many changes of its cuts came soon after the last, up to FLICKER */
+    double *due;         /* when they changed last; of those that flicker, when they may again */
     ssfr_field *start;   /* depths at the start of a step, with all holes */
     ssfr_field *depth;   /* what the rate is taken of */
     double *input;       /* of each unknown, m */
@@ -129,8 +129,8 @@ typedef struct watch { /* of one run: the state of the control that GSL asks whe
     double t;        /* start of the step */
     double eps;      /* m, how far beyond the falloff a step may end */
     double flicker;  /* of time: cuts that come and go change at multiples of it */
-    bool hurry;      /* locates no more */
-    double next;     /* time until which no cut changes then */
+    bool hurry;      /* half of the tries are used up: crossings are no longer located, and cuts change */
+    double next;     /* no sooner than this */
     int tries;       /* to locate the crossing in this step */
     double resume;   /* the step that the error would have allowed; 0: no crossing in this step */
     size_t located;  /* tries that were taken back for a crossing */
