@@ -143,9 +143,9 @@ static void say_unseen(const ssfr_truth *truth)
 static void say(const ssfr_truth_stats *s)
 {
     const double too_far = 10; /* GSL's estimates are no bounds */
-    ssfr_log(SSFR_INFO, "%zu rays, %.3f ms of one core each%s; %zu crossings, %zu touches", s->rays,
+    ssfr_log(SSFR_INFO, "%zu rays, %.3f ms of one core each%s; %zu crossings, %zu touches, of light %zu", s->rays,
              1e3 * s->seconds / (double)(s->rays ? s->rays : 1), s->cached ? " (all from the cache)" : "", s->crossings,
-             s->touches);
+             s->touches, s->light_touches);
     if (s->judged)
         ssfr_log(SSFR_INFO, "%zu closed forms are within %.2g m of GSL's integrals, %.2g of both errors together",
                  s->judged, s->judged_max, s->judged_ratio);

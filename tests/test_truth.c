@@ -459,6 +459,52 @@ static void a_mean_over_nothing_is_none(void **state)
     ssfr_stage_destroy(&stage);
 }
 
+/* A ball whose rim the middle ray just touches, exactly, and perhaps one behind, in the ray's way. */
+static ssfr_truth *cast_touch(size_t n, const char *parts)
+{
+    static const double places[] = {0.5, 0, 0, 0, 0, -2}, eye[] = {0, 0, 2.5}, target[] = {0, 0, 0};
+    const char *const settings[] = {"truth.kind", "spheres", "truth.parts", parts, NULL};
+    const ssfr_truth_params params = test_truth_params(settings);
+    ssfr_stage *stage = test_truth_stage(n, places, 0.5, eye, target, 3, 3);
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    ssfr_stage_destroy(&stage);
+    return truth;
+}
+
+static void a_touch_is_no_crossing_but_in_the_bounds(void **state)
+{
+    (void)state;
+    ssfr_truth *truth = cast_touch(1, "surface,thickness");
+#define MIDDLE(channel) (*test_truth_at(truth, SSFR_TRUTH_##channel, 1, 1))
+    assert_int_equal(truth->stats.touches, 1);
+    assert_true(MIDDLE(depth) == -SSFR_EMPTY && MIDDLE(depth_err) == SSFR_EMPTY);
+    assert_true(MIDDLE(thickness) == 0 && MIDDLE(thickness_err) > 1e-9 && MIDDLE(thickness_err) < 1e-6);
+    assert_close(MIDDLE(normal_err), acos(-1), 0, 1e-15);
+    const ssfr_estimate share = estimate_of(truth, "covered");
+    assert_close(share.high, share.value + 1 / 9.0, 0, 1e-12);
+    ssfr_truth_destroy(&truth);
+    truth = cast_touch(2, "surface,thickness");
+    assert_int_equal(truth->stats.touches, 1);
+    assert_close(MIDDLE(depth), -4, 0, 1e-14);
+    assert_close(MIDDLE(depth_err), 1.5, 0, 1e-6); /* from where it touches */
+    assert_close(MIDDLE(normal_err), acos(-1), 0, 1e-15);
+    assert_close(MIDDLE(thickness), 1, 0, 1e-14);
+    assert_true(MIDDLE(thickness_err) > 1e-9);
+#undef MIDDLE
+    ssfr_truth_destroy(&truth);
+}
+
+static void touches_of_light_are_counted_apart(void **state)
+{
+    (void)state;
+    ssfr_truth *truth = cast_touch(1, "colour");
+    assert_true(truth->stats.touches == 0 && truth->stats.light_touches > 0);
+    ssfr_truth_destroy(&truth);
+    truth = cast_touch(0, "colour");
+    assert_int_equal(truth->stats.light_touches, 0);
+    ssfr_truth_destroy(&truth);
+}
+
 /* ---- the statistics of samples, on images that were made up ------------------------------------------------------ */
 
 static ssfr_truth *made_truth(int w, int h, int every, unsigned parts)
@@ -808,6 +854,8 @@ int main(void)
         cmocka_unit_test(intervals_hold_the_mean_as_often_as_they_say),
         cmocka_unit_test(one_square_tells_nothing_of_the_others),
         cmocka_unit_test(a_mean_over_nothing_is_none),
+        cmocka_unit_test(a_touch_is_no_crossing_but_in_the_bounds),
+        cmocka_unit_test(touches_of_light_are_counted_apart),
         cmocka_unit_test(the_interval_has_the_variance_of_the_estimate),
         cmocka_unit_test(narrow_squares_at_the_border_count_by_their_pixels),
         cmocka_unit_test(an_odd_square_joins_the_last_pair),

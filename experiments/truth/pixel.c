@@ -270,17 +270,19 @@ end:
 /* ---- light ------------------------------------------------------------------------------------------------------- */
 
 /* From the near plane on, be that inside the fluid or not. */
-static ssfr_result tell_colour(ssfr_truth_worker *w, const view *v, double *values)
+static ssfr_result tell_colour(ssfr_truth_worker *w, const view *v, double *values, ssfr_truth_tally *tally)
 {
     ssfr_result result = SSFR_OK;
     const int *at = w->scene->tiles->at;
     ssfr_ray ray = v->ray;
+    const size_t touches = ssfr_fluid_light_touches(w->light);
     ssfr_lit lit;
     bool inside;
     ssfr_ray_at(&v->ray, v->near, ray.origin);
     SSFR_TRY(ssfr_crossings_inside(&w->crossings, &w->fluid, ray.origin, &inside));
     SSFR_TRY(ssfr_light_follow(ssfr_fluid_light_refractor(w->light), w->scene->around, &w->scene->params->path, &ray,
                                inside, &lit));
+    tally->light_touches += ssfr_fluid_light_touches(w->light) - touches;
     memcpy(values + at[SSFR_TRUTH_colour], lit.colour, sizeof lit.colour);
     values[at[SSFR_TRUTH_colour_err]] = lit.err;
 end:
@@ -312,7 +314,7 @@ ssfr_result ssfr_truth_pixel(ssfr_truth_worker *worker, int x, int y, double *va
     tally->rays++;
     if (parts & (SSFR_TRUTH_SURFACE | SSFR_TRUTH_THICKNESS)) SSFR_TRY(tell_fluid(worker, &v, x, y, values, tally));
     if (parts & SSFR_TRUTH_FOAM) SSFR_TRY(tell_foam(worker, &v, values));
-    if (parts & SSFR_TRUTH_COLOUR) SSFR_TRY(tell_colour(worker, &v, values));
+    if (parts & SSFR_TRUTH_COLOUR) SSFR_TRY(tell_colour(worker, &v, values, tally));
     SSFR_TRY(check_values(s->tiles, x, y, values));
 end:
     return result;

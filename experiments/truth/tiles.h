@@ -10,7 +10,7 @@ enum { SSFR_TRUTH_TILE = 32, SSFR_TRUTH_TILE_PIXELS = SSFR_TRUTH_TILE * SSFR_TRU
 
 /* What the rays of a tile came upon. */
 typedef struct ssfr_truth_tally {
-    uint64_t rays, crossings, touches, judged;
+    uint64_t rays, crossings, touches, light_touches, judged;
     double judged_max, judged_ratio; /* as in ssfr_truth_stats */
     double seconds;
 } ssfr_truth_tally;

@@ -64,6 +64,7 @@ static void count_tile(casting *c, const ssfr_truth_tally *tally)
     stats->rays += tally->rays;
     stats->crossings += tally->crossings;
     stats->touches += tally->touches;
+    stats->light_touches += tally->light_touches;
     stats->judged += tally->judged;
     stats->judged_max = fmax(stats->judged_max, tally->judged_max);
     stats->judged_ratio = fmax(stats->judged_ratio, tally->judged_ratio);

@@ -11,7 +11,7 @@
 #include "graph/frame.h"
 
 /* Must be raised when any pixel's bits change: cached truth is of one version. */
-enum { SSFR_TRUTH_VERSION = 1 };
+enum { SSFR_TRUTH_VERSION = 2 };
 
 /* What a pixel gets: X(id, channels, EXR names, part, unit, help). All is met by the ray through the pixel's middle.
  * Depth, normal and thickness are as slots of pipelines have them: axes, signs and empty values are the same. */
@@ -81,7 +81,8 @@ typedef struct ssfr_truth_options {
 } ssfr_truth_options;
 
 typedef struct ssfr_truth_stats {
-    size_t rays, crossings, touches, judged; /* of view rays, not of those that light takes */
+    size_t rays, crossings, touches, judged; /* of view rays, */
+    size_t light_touches; /* and of those that light takes, each of which may have split or not */
     double judged_max;    /* m, the largest disagreement of the closed form with GSL's integral */
     double judged_ratio;  /* the same over the sum of both estimates: GSL's is no bound, but far above 1 one is wrong */
     double seconds;       /* of one core, for casting all of it, also what was cast before */

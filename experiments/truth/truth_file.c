@@ -31,8 +31,8 @@ ssfr_result ssfr_truth_record(ssfr_record *record, const ssfr_truth *truth, cons
         {"truth.version", SSFR_TRUTH_VERSION}, {"truth.every", truth->every},
         {"stats.rays", (double)s->rays},       {"stats.crossings", (double)s->crossings},
         {"stats.touches", (double)s->touches}, {"stats.judged", (double)s->judged},
-        {"stats.judged_max", s->judged_max},   {"stats.judged_ratio", s->judged_ratio},
-        {"stats.seconds", s->seconds},
+        {"stats.light_touches", (double)s->light_touches}, {"stats.judged_max", s->judged_max},
+        {"stats.judged_ratio", s->judged_ratio}, {"stats.seconds", s->seconds},
     };
     for (size_t i = 0; i < SSFR_COUNT(numbers); i++)
         SSFR_TRY(ssfr_record_number(record, numbers[i].name, numbers[i].value));
