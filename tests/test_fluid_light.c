@@ -384,7 +384,8 @@ static void what_floats_is_collected_wherever_it_is_asked_for(void **state)
     static const double place[1][3] = {{0, 0, 0}}, foam[3][3] = {{2, 0, 0}, {2, 0, 0.2}, {2.1, 0.1, 0.4}};
     rig r, fresh;
     (void)state;
-    begin(&r, SSFR_CONTINUUM_SPHERES, 1, place, 3, foam, 0), begin(&fresh, SSFR_CONTINUUM_SPHERES, 1, place, 3, foam, 0);
+    begin(&r, SSFR_CONTINUUM_SPHERES, 1, place, 3, foam, 0);
+    begin(&fresh, SSFR_CONTINUUM_SPHERES, 1, place, 3, foam, 0);
     make(&r);
     const ssfr_refractor *body = ssfr_fluid_light_refractor(r.light);
     assert_true(body->brightest == 0.95);

@@ -672,7 +672,7 @@ static void dark_and_bright_surroundings_bound_what_ends(void **state)
     assert_close(follow(&r, &ray, false).err, 4.385, 1e-15, 0);
 }
 
-/* Things at one end of a piece of water alone. The piece is taken as a whole: its bound is what both ends leave open. */
+/* Things at one end of a piece of water alone, which is taken as a whole: its bound is what both ends leave open. */
 static bool things_are_near;
 
 static ssfr_result between_at_an_end(void *user, const ssfr_ray *ray, double from, double to, double colour[3],
