@@ -381,7 +381,7 @@ static void spheres_that_overlap_are_one_body_and_those_that_just_touch_are_a_to
     static const struct pair {
         double apart; /* in radii */
         size_t n, n_touches;
-    } pairs[] = {{1.9, 2, 0}, {2 - 1e-6, 2, 0}, {2, 2, 1}, {2 + 1e-6, 4, 0}};
+    } pairs[] = {{1.9, 2, 0}, {2 - 1e-6, 2, 0}, {2, 2, 1}, {2 + 4 * DBL_EPSILON, 2, 1}, {2 + 1e-6, 4, 0}};
     for (size_t i = 0; i < SSFR_COUNT(pairs); i++) {
         memcpy(centre, (double[2][3]){{0, 0, 0}, {0, 0, pairs[i].apart}}, sizeof(double[2][3]));
         ssfr_continuum fluid = kernels_of(2, NULL, 1, 0.5);
@@ -414,6 +414,10 @@ static void what_touches_beyond_the_line_is_no_touch(void **state)
     assert_int_equal(find(&c, &ray, 0, 3.5)->n_touches, 0);
     assert_int_equal(find(&c, &ray, 4.5, 20)->n_touches, 0);
     assert_int_equal(find(&c, &ray, 0, 20)->n_touches, 1);
+    /* On rims it may be that the line begins or ends: at 2 and 8 balls are entered, at 10 the last one is left. */
+    static const double on_rims[][2] = {{2, 3}, {8, 9}, {10, 20}, {0, 2}, {9, 10}};
+    for (size_t i = 0; i < SSFR_COUNT(on_rims); i++)
+        assert_true(find(&c, &ray, on_rims[i][0], on_rims[i][1])->n_touches > 0);
     /* All three are only grazed: where the line is, and where on it. */
     const ssfr_crossings *found = find(&c, &grazing, 4, 20);
     assert_int_equal(found->n, 0);
@@ -637,6 +641,54 @@ static void check_grazing(const ssfr_continuum *fluid, double r)
         assert_true(k >= 13 || found->n_touches == 0);
     }
     finish(&c);
+}
+
+/* Rays that pass a ball of radius r at the fluid's origin just so, from ever farther away: rounding moves them by more
+ * than they are off. What holds is the errors. */
+static void check_far_grazing(const ssfr_continuum *fluid, real r)
+{
+    uint64_t seed = 4;
+    size_t n_crossed = 0, n_touched = 0;
+    caster c;
+    begin(&c, fluid);
+    for (int i = 0; i < 600; i++) {
+        const double away = pow(10, i % 8), left = (i % 3 - 0.5) * pow(10, -test_random(&seed, 3, 15));
+        double aside[3] = {test_random(&seed, -1, 1), test_random(&seed, -1, 1), test_random(&seed, -1, 1)};
+        ssfr_ray ray = {{0}, {0}};
+        ssfr_normalize(aside);
+        ssfr_cross(aside, (const double[3]){0.6, 0, -0.8}, ray.dir);
+        ssfr_normalize(ray.dir);
+        for (int k = 0; k < 3; k++) ray.origin[k] = (double)r * (1 - left) * aside[k] - away * ray.dir[k];
+        const ssfr_crossings *found = find(&c, &ray, 0, INFINITY);
+        real o[3], d[3];
+        for (int k = 0; k < 3; k++) o[k] = (real)ray.origin[k], d[k] = (real)ray.dir[k];
+        const real middle = -dot(o, d) / dot(d, d);
+        for (int k = 0; k < 3; k++) o[k] += middle * d[k];
+        const real square = r * r - dot(o, o), half = square > 0 ? sqrtl(square / dot(d, d)) : 0;
+        assert_true(found->n == 0 || found->n == 2);
+        n_crossed += found->n, n_touched += found->n_touches;
+        if (found->n == 2 && half > 0) {
+            assert_true(fabsl((real)found->items[0].t - (middle - half)) <= (real)found->items[0].t_err);
+            assert_true(fabsl((real)found->items[1].t - (middle + half)) <= (real)found->items[1].t_err);
+        } else if (found->n == 2) {
+            assert_true(found->n_touches > 0);
+        } else
+            assert_true((real)found->touched >= 2 * half);
+    }
+    assert_true(n_crossed > 100 && n_touched > 10);
+    finish(&c);
+}
+
+static void far_grazing_rays_never_err_beyond_what_they_state(void **state)
+{
+    (void)state;
+    memset(centre, 0, sizeof centre[0]);
+    ssfr_continuum fluid = kernels_of(1, &ssfr_radials[1], 1, 0.5);
+    check_far_grazing(&fluid, sqrtl(1 - cbrtl(0.5L * 64 * pi / 315)));
+    fluid.radial = NULL;
+    fluid.kind = SSFR_CONTINUUM_SPHERES;
+    check_far_grazing(&fluid, 1);
+    ssfr_continuum_finish(&fluid);
 }
 
 static void grazing_rays_cross_twice_or_touch_and_never_err_beyond_what_they_state(void **state)
@@ -1109,6 +1161,7 @@ int main(void)
         cmocka_unit_test(no_crossing_of_spheres_is_missed),
         cmocka_unit_test(no_crossing_of_zhu_and_bridsons_surface_is_missed),
         cmocka_unit_test(no_crossing_of_an_anisotropic_density_is_missed),
+        cmocka_unit_test(far_grazing_rays_never_err_beyond_what_they_state),
         cmocka_unit_test(grazing_rays_cross_twice_or_touch_and_never_err_beyond_what_they_state),
         cmocka_unit_test(a_density_that_only_just_reaches_the_level_is_crossed_twice_or_touched),
         cmocka_unit_test(a_density_that_is_level_all_along_the_ray_is_not_halved_for_ever),

@@ -330,7 +330,6 @@ static ssfr_result pass_chain(walk *w, const chain *c, double to)
     if (!c->first.ball) return SSFR_OK;
     for (int i = 0; w->side == 0 && i < 2; i++)
         if (rims[i]->lo <= w->at) touch_between(w, w->at, rims[i]->hi, to);
-    if (c->last.t <= w->at) return SSFR_OK;
     if (w->side == 0) w->side = c->first.t <= w->at ? 1 : -1, w->out->begins_inside = w->side > 0;
     if (c->first.t < to && w->side < 0) SSFR_TRY(cross_rim(w, &c->first, true));
     if (c->last.t < to && w->side > 0) SSFR_TRY(cross_rim(w, &c->last, false));
