@@ -278,26 +278,13 @@ static uint64_t identity_of(const bench *b)
     return ssfr_hash_text(ssfr_hash_text(SSFR_HASH, text), b->text);
 }
 
-static ssfr_result record_params(ssfr_record *record, const char *prefix, const ssfr_param *params, const void *from)
-{
-    ssfr_result result = SSFR_OK;
-    for (const ssfr_param *row = params; row->name && result == SSFR_OK; row++) {
-        char name[64], text[64];
-        snprintf(name, sizeof name, "%s.%s", prefix, row->name);
-        ssfr_param_format(row, from, text, sizeof text);
-        result = row->words ? ssfr_record_text(record, name, text)
-                            : ssfr_record_number(record, name, ssfr_param_number(row, from));
-    }
-    return result;
-}
-
 static ssfr_result save_meta(const bench *b)
 {
     ssfr_result result = SSFR_OK;
     ssfr_record parameters = {0}, scenes[SSFR_STUDY_SCENES] = {{0}};
     SSFR_TRY(ssfr_record_text(&parameters, "study", b->text));
-    SSFR_TRY(record_params(&parameters, "truth", ssfr_continuum_rows, &b->study.fluid));
-    SSFR_TRY(record_params(&parameters, "extinction", ssfr_extinction_rows, &b->study.extinction));
+    SSFR_TRY(ssfr_record_params(&parameters, "truth", ssfr_continuum_rows, &b->study.fluid));
+    SSFR_TRY(ssfr_record_params(&parameters, "extinction", ssfr_extinction_rows, &b->study.extinction));
     for (size_t i = 0; i < b->study.n_scenes; i++) SSFR_TRY(ssfr_record_text(&scenes[i], "scene", b->study.scenes[i]));
     SSFR_TRY(ssfr_meta_save(b->words.output, &(ssfr_meta){.argc = b->argc,
                                                           .argv = b->argv,
@@ -343,25 +330,27 @@ static bool has_points(const ssfr_csv_table *t, const char *integral, const char
 static ssfr_result draw(const bench *b)
 {
     enum { MOST = SSFR_N_STUDY_INTEGRALS * SSFR_STUDY_KINDS };
-    static const char *const x_labels[] = {"largest error [particle diameters]", "largest error [light = 1]"};
+    static const char *const x_labels[] = {"largest error, at least the reference's own [particle diameters]",
+                                           "largest error, at least the reference's own [light = 1]"};
     ssfr_result result = SSFR_OK;
     const ssfr_csv_table view = ssfr_ledger_view(&b->table);
     ssfr_panel panels[MOST];
-    char titles[MOST][128], *svg = NULL;
+    char titles[MOST][128], title[256], *svg = NULL;
     int n = 0;
     for (int i = 0; i < SSFR_N_STUDY_INTEGRALS; i++)
         for (size_t k = 0; k < b->study.n_kinds[i]; k++) {
             const char *kind = b->study.kinds[i][k].name;
             if (!has_points(&view, ssfr_study_integrals[i], kind)) continue;
-            snprintf(titles[n], sizeof titles[n], "%s along %.80s rays", ssfr_study_integrals[i], kind);
+            snprintf(titles[n], sizeof titles[n], "integral of %s along %.80s rays", ssfr_study_integrals[i], kind);
             panels[n] = (ssfr_panel){.title = titles[n], .x = "error_max", .y = "us_median", .x_label = x_labels[i],
-                                     .y_label = "median time of a ray [us]", .log_x = true, .log_y = true,
+                                     .y_label = "median time of an integral [us]", .log_x = true, .log_y = true,
                                      .keys = {{"integrator", NULL}, {b->study.n_scenes > 1 ? "scene" : NULL, NULL}},
                                      .only = {{"integral", ssfr_study_integrals[i]}, {"rays", kind}}};
             n++;
         }
     SSFR_TRY(ssfr_meta_path(&svg, b->words.output, ".svg"));
-    if (n > 0) SSFR_TRY(ssfr_chart_save(svg, &view, b->study.title, n, panels));
+    snprintf(title, sizeof title, "%.160s (a sign: one tolerance, number of points or of steps)", b->study.title);
+    if (n > 0) SSFR_TRY(ssfr_chart_save(svg, &view, title, n, panels));
 end:
     free(svg);
     return result;
@@ -398,29 +387,23 @@ static void finish(bench *b)
 int ssfr_bench_integrators(int argc, char **argv)
 {
     ssfr_result result = SSFR_OK;
-    static char name[] = "bench integrators";
     bench *b = NULL;
-    char **own = NULL;
     SSFR_TRY(ssfr_alloc(&b, 1, sizeof *b, "a bench"));
     b->argc = argc, b->argv = argv;
-    const ssfr_option_set sets[] = {{name, rows, &b->words}, {NULL, NULL, NULL}};
+    const ssfr_option_set sets[] = {{"bench integrators", rows, &b->words}, {NULL, NULL, NULL}};
     const ssfr_usage usage = {
-        .command = name,
+        .command = "bench integrators",
         .arguments = "[STUDY.yaml]",
         .max_arguments = 1,
         .sets = sets,
         .help = "Measures what integrals along rays cost for the error that they reach: rule by rule, setting by "
                 "setting, along rays of each kind. Without a STUDY.yaml the built-in one, "
                 "experiments/truth/integrators.yaml."};
-    SSFR_TRY(ssfr_alloc(&own, (size_t)argc, sizeof *own, "arguments"));
-    memcpy(own, argv + 1, (size_t)(argc - 1) * sizeof *own);
-    own[0] = name;
-    SSFR_TRY(ssfr_options_parse(&b->line, &usage, argc - 1, own));
+    SSFR_TRY(ssfr_options_parse(&b->line, &usage, argc - 1, argv + 1));
     if (b->line.help) goto end;
     SSFR_TRY(ssfr_study_load(&b->study, b->line.arguments.n ? b->line.arguments.items[0] : NULL, &b->text));
     SSFR_TRY(run(b));
 end:
     if (b) finish(b);
-    free(own);
     return ssfr_exit_status(result);
 }

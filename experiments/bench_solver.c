@@ -184,11 +184,7 @@ static ssfr_result record_parameters(ssfr_record *record)
     ssfr_result result = SSFR_OK;
     ssfr_solver_params params;
     ssfr_params_default(ssfr_solver_rows, &params);
-    for (const ssfr_param *row = ssfr_solver_rows; row->name; row++) {
-        char key[64];
-        snprintf(key, sizeof key, "solver.%s", row->name);
-        SSFR_TRY(ssfr_record_number(record, key, ssfr_param_number(row, &params)));
-    }
+    SSFR_TRY(ssfr_record_params(record, "solver", ssfr_solver_rows, &params));
     SSFR_TRY(ssfr_record_number(record, "solver.version", SSFR_SOLVER_VERSION));
 end:
     return result;
@@ -248,9 +244,7 @@ static ssfr_result draw_table(const command *c, int table)
     char threads[16], *svg = NULL;
     snprintf(threads, sizeof threads, "%d", c->bench.max_threads);
     memcpy(panels, ssfr_bench_tables[table].panels, (size_t)ssfr_bench_tables[table].n_panels * sizeof *panels);
-    for (int p = 0; p < ssfr_bench_tables[table].n_panels; p++)
-        for (int i = 0; i < SSFR_CHART_ONLY && panels[p].only[i].column; i++)
-            if (!panels[p].only[i].cell) panels[p].only[i].cell = threads;
+    ssfr_panels_fill(ssfr_bench_tables[table].n_panels, panels, threads);
     SSFR_TRY(ssfr_meta_path(&svg, c->paths[table], ".svg"));
     SSFR_TRY(ssfr_chart_save(svg, &view, ssfr_bench_tables[table].title, ssfr_bench_tables[table].n_panels, panels));
 end:
@@ -279,20 +273,15 @@ end:
 int ssfr_bench_solver(int argc, char **argv)
 {
     ssfr_result result = SSFR_OK;
-    static char name[] = "bench solver";
     command c = {.argc = argc, .argv = argv, .words = {.max_particles = 1100000}};
-    char **own = NULL;
     const ssfr_option_set sets[] = {{"bench solver", rows, &c.words}, {NULL, NULL, NULL}};
     const ssfr_usage usage = {
-        .command = name,
+        .command = "bench solver",
         .arguments = "",
         .sets = sets,
         .help = "Measures the embedded simulator: time of a step stage by stage, memory, foam; and how far its water "
                 "is from rest density, constant volume, stillness and free fall."};
-    SSFR_TRY(ssfr_alloc(&own, (size_t)argc, sizeof *own, "arguments"));
-    memcpy(own, argv + 1, (size_t)(argc - 1) * sizeof *own);
-    own[0] = name;
-    SSFR_TRY(ssfr_options_parse(&c.line, &usage, argc - 1, own));
+    SSFR_TRY(ssfr_options_parse(&c.line, &usage, argc - 1, argv + 1));
     if (c.line.help) goto end;
     if (c.words.resume && !c.words.output) {
         result = ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
@@ -304,6 +293,5 @@ end:
         ssfr_ledger_finish(&c.bench.tables[i]);
         free(c.paths[i]);
     }
-    free(own);
     return ssfr_exit_status(result);
 }

@@ -12,6 +12,7 @@
 #include "experiments/truth/truth.h"
 
 #include "base/param.h"
+#include "scene/anisotropy.h"
 
 #include <omp.h>
 
@@ -68,11 +69,11 @@ static const ssfr_column columns[] = {
 #define EVERY_CONTINUUM {{"continuum", NULL}}
 
 static const ssfr_panel panels[] = {
-    {.title = "A ray costs what it crosses", .x = "kernels", .y = "ray_us", .x_label = "kernels a ray",
+    {.title = "Time of a ray against what it crosses", .x = "kernels", .y = "ray_us", .x_label = "kernels a ray",
      .y_label = "time of a thread [us a ray]", .log_x = true, .log_y = true, .keys = EVERY_CONTINUUM,
      .only = {{"water", "finer"}, {"threads", "1"}}},
-    {.title = "More of the same water costs nothing (density)", .x = "particles", .y = "ray_us",
-     .x_label = "particles", .y_label = "time of a thread [us a ray]", .log_x = true, .log_y = true,
+    {.title = "Time of a ray through finer, and through wider, water (density)", .x = "particles", .y = "ray_us",
+     .x_label = "particles of the whole water", .y_label = "time of a thread [us a ray]", .log_x = true, .log_y = true,
      .keys = {{"water", NULL}}, .only = {{"continuum", "density"}, {"threads", "1"}}},
     {.title = "Rays a second against what they cross", .x = "kernels", .y = "rays_per_second",
      .x_label = "kernels a ray", .y_label = "rays a second, all threads", .log_x = true, .log_y = true,
@@ -305,17 +306,12 @@ static uint64_t identity_of(const command *c)
 static ssfr_result record_parameters(ssfr_record *record)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_continuum_params params;
-    ssfr_params_default(ssfr_continuum_rows, &params);
-    for (const ssfr_param *row = ssfr_continuum_rows; row->name; row++) {
-        char key_name[64];
-        if (strcmp(row->name, "kind") == 0) continue; /* a column */
-        snprintf(key_name, sizeof key_name, "truth.%s", row->name);
-        if (row->type == SSFR_CHOICE)
-            SSFR_TRY(ssfr_record_text(record, key_name, row->words[(int)ssfr_param_number(row, &params)]));
-        else
-            SSFR_TRY(ssfr_record_number(record, key_name, ssfr_param_number(row, &params)));
-    }
+    ssfr_continuum_params fluid;
+    ssfr_anisotropy_params anisotropy;
+    ssfr_params_default(ssfr_continuum_rows, &fluid);
+    ssfr_params_default(ssfr_anisotropy_rows, &anisotropy);
+    SSFR_TRY(ssfr_record_params(record, "truth", ssfr_continuum_rows + 1, &fluid)); /* the first, kind, is a column */
+    SSFR_TRY(ssfr_record_params(record, "anisotropy", ssfr_anisotropy_rows, &anisotropy));
     SSFR_TRY(ssfr_record_number(record, "truth.version", SSFR_TRUTH_VERSION));
 end:
     return result;
@@ -369,9 +365,7 @@ static ssfr_result draw(const command *c)
     char threads[16], *svg = NULL;
     snprintf(threads, sizeof threads, "%d", c->bench.max_threads);
     memcpy(own, panels, sizeof own);
-    for (size_t p = 0; p < SSFR_COUNT(own); p++)
-        for (int i = 0; i < SSFR_CHART_ONLY && own[p].only[i].column; i++)
-            if (!own[p].only[i].cell) own[p].only[i].cell = threads;
+    ssfr_panels_fill(SSFR_COUNT(own), own, threads);
     SSFR_TRY(ssfr_meta_path(&svg, c->words.output, ".svg"));
     SSFR_TRY(ssfr_chart_save(svg, &view, "What ground truth costs", SSFR_COUNT(own), own));
 end:
@@ -402,20 +396,15 @@ end:
 int ssfr_bench_truth(int argc, char **argv)
 {
     ssfr_result result = SSFR_OK;
-    static char command_name[] = "bench truth";
     command c = {.argc = argc, .argv = argv, .words = {.max_particles = 1048576}};
-    char **own = NULL;
     const ssfr_option_set sets[] = {{"bench truth", rows, &c.words}, {NULL, NULL, NULL}};
     const ssfr_usage usage = {
-        .command = command_name,
+        .command = "bench truth",
         .arguments = "",
         .sets = sets,
         .help = "Measures what ground truth costs: rays a second, for what each continuum is, against the number of "
                 "particles and what a ray crosses of them; with all threads and with one."};
-    SSFR_TRY(ssfr_alloc(&own, (size_t)argc, sizeof *own, "arguments"));
-    memcpy(own, argv + 1, (size_t)(argc - 1) * sizeof *own);
-    own[0] = command_name;
-    SSFR_TRY(ssfr_options_parse(&c.line, &usage, argc - 1, own));
+    SSFR_TRY(ssfr_options_parse(&c.line, &usage, argc - 1, argv + 1));
     if (c.line.help) goto end;
     if (c.words.resume && !c.words.output) {
         result = ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
@@ -424,6 +413,5 @@ int ssfr_bench_truth(int argc, char **argv)
     SSFR_TRY(run(&c));
 end:
     ssfr_ledger_finish(&c.bench.table);
-    free(own);
     return ssfr_exit_status(result);
 }

@@ -203,6 +203,13 @@ static ssfr_result put_script(void *user, FILE *script, const char *output)
     return SSFR_OK;
 }
 
+void ssfr_panels_fill(int n_panels, ssfr_panel *panels, const char *cell)
+{
+    for (int p = 0; p < n_panels; p++)
+        for (int i = 0; i < SSFR_CHART_ONLY && panels[p].only[i].column; i++)
+            if (!panels[p].only[i].cell) panels[p].only[i].cell = cell;
+}
+
 ssfr_result ssfr_chart_save(const char *svg, const ssfr_csv_table *table, const char *title, int n_panels,
                             const ssfr_panel *panels)
 {

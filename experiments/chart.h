@@ -24,6 +24,9 @@ typedef struct ssfr_panel {
     const char *mark_text;
 } ssfr_panel;
 
+/* Gives every `only` without a cell this one, which must stay: for what is known at run time alone. */
+void ssfr_panels_fill(int n_panels, ssfr_panel *panels, const char *cell);
+
 /* Curves join the rows' points in their order. Rows whose column status is not ok, and cells that are no finite number,
  * are left out. A panel without any point, like a missing gnuplot, is a warning: then no file is written. */
 SSFR_MUST ssfr_result ssfr_chart_save(const char *svg, const ssfr_csv_table *table, const char *title, int n_panels,

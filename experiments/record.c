@@ -3,6 +3,8 @@
 #include "experiments/record.h"
 #include "experiments/scenes/make.h"
 
+#include "base/param.h"
+
 static ssfr_result copy_text(const char **out, const char *text)
 {
     char *copy = NULL;
@@ -38,6 +40,19 @@ ssfr_result ssfr_record_text(ssfr_record *record, const char *name, const char *
 ssfr_result ssfr_record_number(ssfr_record *record, const char *name, double number)
 {
     return add(record, name, NULL, number);
+}
+
+ssfr_result ssfr_record_params(ssfr_record *record, const char *prefix, const ssfr_param *rows, const void *from)
+{
+    ssfr_result result = SSFR_OK;
+    for (const ssfr_param *row = rows; row->name && result == SSFR_OK; row++) {
+        char name[64], text[64];
+        snprintf(name, sizeof name, "%s.%s", prefix, row->name);
+        ssfr_param_format(row, from, text, sizeof text);
+        result = row->words ? ssfr_record_text(record, name, text)
+                            : ssfr_record_number(record, name, ssfr_param_number(row, from));
+    }
+    return result;
 }
 
 void ssfr_record_finish(ssfr_record *record)

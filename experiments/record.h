@@ -18,6 +18,10 @@ SSFR_MUST ssfr_result ssfr_record_text(ssfr_record *record, const char *name, co
 SSFR_MUST ssfr_result ssfr_record_number(ssfr_record *record, const char *name, double number);
 void ssfr_record_finish(ssfr_record *record);
 
+/* Every parameter of `from` as "prefix.name". */
+SSFR_MUST ssfr_result ssfr_record_params(ssfr_record *record, const char *prefix, const ssfr_param *rows,
+                                         const void *from);
+
 /* Version, the command line as a shell takes it, seed, backend. */
 SSFR_MUST ssfr_result ssfr_record_program(ssfr_record *record, const ssfr_setup *setup, const ssfr_command_line *line,
                                           int argc, char **argv);

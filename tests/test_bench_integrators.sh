@@ -47,7 +47,7 @@ that 'what a rule claims is mostly enough' [ "$(rows '$20 > 0')" -le 3 ]
 that 'the metadata tell the study' grep -q '"study": "title: Two kinds of rays' i.meta.json
 that 'and its parameters' grep -q '"truth.kind": "density"' i.meta.json
 that 'each column is explained' [ "$(sed -n '/"columns"/,/}/p' i.meta.json | grep -c '": "')" -eq 21 ]
-if command -v gnuplot >/dev/null; then that 'the chart is drawn' grep -q 'density along rim rays' i.svg; fi
+if command -v gnuplot >/dev/null; then that 'the chart is drawn' grep -q 'integral of density along rim rays' i.svg; fi
 
 # ---- gone on with ----
 
