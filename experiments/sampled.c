@@ -126,18 +126,20 @@ static ssfr_result estimate(size_t n, const stratum *strata, bool rare, ssfr_sam
 {
     ssfr_result result = SSFR_OK;
     double *d = NULL;
-    double sum = 0, base = 0, largest = 0;
+    double sum = 0, base = 0, largest = 0; /* of squares that are not known */
     size_t counted = 0;
+    bool known = true;
     SSFR_TRY(ssfr_alloc(&d, n, sizeof *d, "a sample"));
     for (size_t i = 0; i < n; i++) {
         sum += strata[i].share * strata[i].sum;
         base += strata[i].share * strata[i].n;
-        largest = fmax(largest, strata[i].share);
+        known &= strata[i].known;
+        if (!strata[i].known) largest = fmax(largest, strata[i].share);
         counted += strata[i].n > 0;
     }
     out->value = base > 0 ? sum / base : (double)NAN;
     for (size_t i = 0; i < n; i++) d[i] = strata[i].share * (strata[i].sum - out->value * strata[i].n) / base;
-    const double half = counted < MIN_COUNTED ? (double)INFINITY : half_width(n, strata, d);
+    const double half = known ? 0 : counted < MIN_COUNTED ? (double)INFINITY : half_width(n, strata, d);
     const double unseen = -log(0.5 - level / 2) * largest / base;
     out->low = out->value - (rare ? fmax(half, unseen) : half);
     out->high = out->value + (rare ? fmax(half, unseen) : half);
@@ -146,24 +148,18 @@ end:
     return result;
 }
 
-static ssfr_result sample(const ssfr_field *cast, int every, ssfr_sampled_fn *value, const void *user, bool rare,
-                          ssfr_sampled *out)
+ssfr_result ssfr_sampled_mean(const ssfr_field *cast, int every, ssfr_sampled_fn *value, const void *user,
+                              bool share, ssfr_sampled *out)
 {
     ssfr_result result = SSFR_OK;
     stratum *strata = NULL;
     const size_t n = (size_t)squares(cast->w, every) * (size_t)squares(cast->h, every);
     SSFR_TRY(ssfr_alloc(&strata, n, sizeof *strata, "a sample"));
     list_strata(cast, every, value, user, strata);
-    SSFR_TRY(estimate(n, strata, rare, out));
+    SSFR_TRY(estimate(n, strata, share, out));
 end:
     free(strata);
     return result;
-}
-
-ssfr_result ssfr_sampled_mean(const ssfr_field *cast, int every, ssfr_sampled_fn *value, const void *user,
-                              ssfr_sampled *out)
-{
-    return sample(cast, every, value, user, false, out);
 }
 
 /* ---- metrics ----------------------------------------------------------------------------------------------------- */
@@ -187,7 +183,7 @@ ssfr_result ssfr_sampled_metric(const ssfr_metric *metric, const ssfr_pair *pair
     const measured m = {metric, pair};
     const bool share = metric->form == SSFR_FORM_SHARE;
     ssfr_sampled mean;
-    SSFR_TRY(sample(cast, every, at_pixel, &m, share, &mean));
+    SSFR_TRY(ssfr_sampled_mean(cast, every, at_pixel, &m, share, &mean));
     if (metric->form != SSFR_FORM_MEAN && mean.low < 0) mean.low = 0;
     if (share && mean.high > 1) mean.high = 1;
     const double low = ssfr_metric_of_mean(metric, mean.low), high = ssfr_metric_of_mean(metric, mean.high);

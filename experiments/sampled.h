@@ -13,7 +13,7 @@
 #include "metrics/metrics.h"
 
 typedef struct ssfr_sampled {
-    double value, low, high; /* infinite ends where less than ten pixels count: too few to tell */
+    double value, low, high; /* infinite ends where less than ten pixels count, of a sample: too few to tell */
 } ssfr_sampled;
 
 /* N of a channel that is not 0 at one pixel of each square of N x N pixels, cut at the right and the bottom; 1: of all
@@ -23,11 +23,11 @@ SSFR_MUST ssfr_result ssfr_sampled_find(const ssfr_field *cast, const char *path
 /* What a pixel adds to a sum and to the number of what is summed. */
 typedef void ssfr_sampled_fn(const void *user, int x, int y, double *sum, double *n);
 
-/* The mean of all pixels. */
+/* The mean of all pixels; with every pixel known the interval is the value. share: of values in [0, 1], whose interval
+ * takes in what is too rare to be seen: a share p of all pixels escapes every square with a chance of exp(-p / W). */
 SSFR_MUST ssfr_result ssfr_sampled_mean(const ssfr_field *cast, int every, ssfr_sampled_fn *value, const void *user,
-                                        ssfr_sampled *out);
-/* A metric that is made of a mean (ssfr_metric_is_mean). The pair's mask counts as well. A share's interval takes in
- * what is too rare to be seen: a share p of all pixels escapes every square with a chance of exp(-p / W) at most. */
+                                        bool share, ssfr_sampled *out);
+/* A metric that is made of a mean (ssfr_metric_is_mean). The pair's mask counts as well. */
 SSFR_MUST ssfr_result ssfr_sampled_metric(const ssfr_metric *metric, const ssfr_pair *pair, const ssfr_field *cast,
                                           int every, ssfr_sampled *out);
 
