@@ -135,13 +135,13 @@ static double wendland_chord(double b, double s)
 /* ------------------------------------------------------------------------------------------------------------------ */
 
 /* Errors of chords: the largest of three million against quadruple precision were 4.3e-15, 0.8e-15 and 1.2e-14. */
-#define RADIAL(kernel, from, chord_err, seam) \
-    { #kernel, from, kernel##_value, kernel##_steepness, kernel##_both, kernel##_chord, chord_err, seam }
+#define RADIAL(kernel, from, chord_err, seam, even) \
+    { #kernel, from, kernel##_value, kernel##_steepness, kernel##_both, kernel##_chord, chord_err, seam, even }
 
 const ssfr_radial ssfr_radials[SSFR_N_RADIALS] = {
-    RADIAL(cubic_spline, "Monaghan 1992", 6e-15, 0.5),
-    RADIAL(poly6, "Muller et al. 2003", 1.5e-15, 1),
-    RADIAL(wendland, "Wendland 1995, C2", 1.6e-14, 1),
+    RADIAL(cubic_spline, "Monaghan 1992", 6e-15, 0.5, false),
+    RADIAL(poly6, "Muller et al. 2003", 1.5e-15, 1, true),
+    RADIAL(wendland, "Wendland 1995, C2", 1.6e-14, 1, false),
 };
 
 const char *const ssfr_radial_names[SSFR_N_RADIALS + 1] = {"cubic_spline", "poly6", "wendland", NULL};

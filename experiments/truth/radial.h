@@ -16,6 +16,7 @@ typedef struct ssfr_radial {
     double (*chord)(double b, double s);
     double chord_err; /* bound on the absolute error of a chord that rounding leaves */
     double seam;      /* q, (0, 1]: w is of two smooth pieces that meet there; 1: of one */
+    bool even;        /* of even powers of q alone: smooth through its middle */
 } ssfr_radial;
 
 enum { SSFR_N_RADIALS = 3 };
