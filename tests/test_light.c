@@ -674,6 +674,7 @@ static void dark_and_bright_surroundings_bound_what_ends(void **state)
 
 /* Things at one end of a piece of water alone, which is taken as a whole: its bound is what both ends leave open. */
 static bool things_are_near;
+static double things_shine;
 
 static ssfr_result between_at_an_end(void *user, const ssfr_ray *ray, double from, double to, double colour[3],
                                      double *through, double *err)
@@ -681,7 +682,7 @@ static ssfr_result between_at_an_end(void *user, const ssfr_ray *ray, double fro
     const world *w = user;
     const bool here = things_are_near ? from == 0 : to >= 2;
     (void)ray;
-    for (int k = 0; k < 3; k++) colour[k] = here ? 0.9 : 0;
+    for (int k = 0; k < 3; k++) colour[k] = here ? things_shine : 0;
     *through = here ? exp(-w->sigma) : 1, *err = 0;
     return SSFR_OK;
 }
@@ -689,21 +690,23 @@ static ssfr_result between_at_an_end(void *user, const ssfr_ray *ray, double fro
 static void what_floats_at_either_end_of_the_water_lies_within_its_bound(void **state)
 {
     (void)state;
-    for (int near = 0; near < 2; near++) {
+    for (int n = 0; n < 4; n++) {
+        const bool near = n % 2;
+        const double shine = n < 2 ? 0.9 : 0;
         rig r;
         begin_box(&r, 1, INFINITY, INFINITY, INFINITY);
         r.w.wall = -2; /* ends the ray with 0.25 */
         r.w.sigma = 2.385;
         r.params.least = 0.5;
-        things_are_near = near;
+        things_are_near = near, things_shine = shine;
         r.body.between = between_at_an_end;
         for (int k = 0; k < 3; k++) r.body.absorption[k] = 0.4, r.body.colour[k] = 0.1;
         const ssfr_ray ray = {{0, 0, 0}, {0, -1, 0}};
         const ssfr_lit lit = follow(&r, &ray, true);
         const double wet = exp(-0.8), dry = exp(-2.385), water = 0.1 * (1 - wet);
-        const double exact = near ? 0.9 + dry * (water + wet * 0.25) : water + wet * (0.9 + dry * 0.25);
+        const double exact = near ? shine + dry * (water + wet * 0.25) : water + wet * (shine + dry * 0.25);
         for (int k = 0; k < 3; k++) assert_close(lit.colour[k], exact, lit.err + 1e-15, 0);
-        assert_close(lit.err, 0.5 * ((1 - wet) * 0.9 + water * (1 - dry)), 1e-15, 0);
+        assert_close(lit.err, 0.5 * ((1 - wet) * shine + water * (1 - dry)), 1e-15, 0);
     }
 }
 
@@ -722,8 +725,9 @@ static void an_error_that_is_not_known_is_no_nan_where_nothing_is_seen(void **st
     (void)state;
     begin_box(&r, 1, INFINITY, INFINITY, INFINITY);
     r.w.wall = -2;
+    r.w.sigma = 0.3;
     r.body.between = unknown;
-    for (int k = 0; k < 3; k++) r.body.absorption[k] = 1e300;
+    for (int k = 0; k < 3; k++) r.w.shine[k] = 0.9, r.body.absorption[k] = 1e300;
     const ssfr_ray ray = {{0, 0, 0}, {0, -1, 0}};
     assert_int_equal(ssfr_light_follow(&r.body, &r.around, &r.params, &ray, true, &lit), SSFR_OK);
     assert_true(isinf(lit.err));

@@ -475,8 +475,9 @@ static void check_needle(bool across, double *worst)
             ssfr_normalize(ray.dir);
             double side[3];
             ssfr_cross(u, ray.dir, side);
-            const double along = test_random(&seed, 0.1, 0.9) * support, off = test_random(&seed, -3e-4, 3e-4) * support;
-            for (int k = 0; k < 3; k++) fluid.centre[0][k] = along * u[k], ray.origin[k] = off * side[k];
+            const double along = test_random(&seed, 0.1, 0.9) * support;
+            const double aside = test_random(&seed, -3e-4, 3e-4) * support;
+            for (int k = 0; k < 3; k++) fluid.centre[0][k] = along * u[k], ray.origin[k] = aside * side[k];
             ssfr_boxes_finish(&fluid.boxes);
             assert_int_equal(ssfr_boxes_init(&fluid.boxes, 1, (const double(*)[3])fluid.centre, NULL, support),
                              SSFR_OK);
