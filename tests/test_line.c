@@ -509,6 +509,37 @@ static void chords_of_a_needle_lie_within_their_error(void **state)
     }
 }
 
+/* One kernel alone, whose errors no others hide: from afar, past its middle at any distance, whole or cut anywhere. */
+static void the_chord_of_one_kernel_lies_within_its_error(void **state)
+{
+    (void)state;
+    uint64_t seed = 22;
+    double worst[2] = {0, 0};
+    memset(centre, 0, sizeof centre);
+    ssfr_continuum fluid = fluid_of(1, &ssfr_radials[1]);
+    ssfr_line line;
+    ssfr_line_init(&line, &fluid);
+    for (int i = 0; i < 3000; i++) {
+        const bool cut = i % 2;
+        const double away = pow(10, 2 + i % 5), aside = i % 3 ? test_random(&seed, 0, 1) * support : 0;
+        double side[3] = {test_random(&seed, -1, 1), test_random(&seed, -1, 1), test_random(&seed, -1, 1)}, err;
+        ssfr_ray ray = {{0}, {0}};
+        ssfr_cross(side, (const double[3]){0.6, 0, -0.8}, ray.dir);
+        ssfr_normalize(ray.dir);
+        ssfr_normalize(side);
+        for (int k = 0; k < 3; k++) ray.origin[k] = aside * side[k] - away * ray.dir[k];
+        assert_int_equal(ssfr_line_cast(&line, &ray, 0, INFINITY), SSFR_OK);
+        const double a = cut ? away + test_random(&seed, -1, 1) * support : 0;
+        const double chord = ssfr_line_chords(&line, a, 2 * away, &err);
+        const double off = fabs(chord - (double)exact_chords(&fluid, &ray, a, 2 * away));
+        assert_true(off <= err + 1e-300);
+        if (line.n > 0) worst[cut] = fmax(worst[cut], off / err);
+    }
+    assert_true(worst[0] > 0.02 && worst[1] > 0.02);
+    ssfr_line_finish(&line);
+    ssfr_continuum_finish(&fluid);
+}
+
 /* 1.3 radii each; a ray through the middles of two that stand apart, and of two that overlap: chords add up. */
 static void spheres_add_up_their_chords(void **state)
 {
@@ -603,6 +634,7 @@ int main(void)
         cmocka_unit_test(chords_are_the_integral_of_the_density),
         cmocka_unit_test(chords_lie_within_their_error),
         cmocka_unit_test(chords_of_a_needle_lie_within_their_error),
+        cmocka_unit_test(the_chord_of_one_kernel_lies_within_its_error),
         cmocka_unit_test(spheres_add_up_their_chords),
         cmocka_unit_test(a_scene_moved_a_million_metres_is_the_same),
         cmocka_unit_test(a_line_used_again_gives_the_same_bits),
