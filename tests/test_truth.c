@@ -246,6 +246,56 @@ static void solids_and_the_floor_hide_fluid(void **state)
     ssfr_stage_destroy(&stage);
 }
 
+/* A small block beside the ball, none of which is amid anything, and an eye above the floor or below. */
+static void a_solid_hides_what_is_behind_it_and_nothing_beside(void **state)
+{
+    (void)state;
+    static const double half[3] = {0.2, 0.15, 0.1}, middle[3] = {0.35, 0.3, 1.1};
+    ssfr_stage *stage = one_ball(ball_eye);
+    const ssfr_truth_params params = test_truth_params(balls);
+    const ssfr_camera *c = &stage->scene.camera;
+    int n[2] = {0, 0};
+    stage->solids[0] = (ssfr_solid){.shape = SSFR_BOX, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    memcpy(stage->solids[0].centre, middle, sizeof middle), memcpy(stage->solids[0].half, half, sizeof half);
+    stage->scene.n_solids = 1;
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    for (int i = 0; i < W * H; i++) {
+        double dir[3], t[2], from = 0, to = INFINITY;
+        direction(c, i % W, i / W, dir);
+        for (int k = 0; k < 3; k++) { /* between the block's sides */
+            const double a = (middle[k] - half[k] - c->eye[k]) / dir[k], b = (middle[k] + half[k] - c->eye[k]) / dir[k];
+            from = fmax(from, fmin(a, b)), to = fmin(to, fmax(a, b));
+        }
+        const bool ball = meet_ball(c->eye, dir, t), hidden = from < to;
+        assert_int_equal(truth->channels[SSFR_TRUTH_depth]->data[i] > -SSFR_SURFACE, ball && !hidden);
+        if (ball) n[hidden]++;
+    }
+    assert_true(n[0] > 50 && n[1] > 50);
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+static void from_below_the_floor_hides_what_is_above(void **state)
+{
+    (void)state;
+    ssfr_stage *stage = one_ball(ball_eye);
+    const ssfr_truth_params params = test_truth_params(balls);
+    const ssfr_camera *c = &stage->scene.camera;
+    stage->scene.floor = ball_eye[1] + 0.01;
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    int n[2] = {0, 0};
+    for (int i = 0; i < W * H; i++) {
+        double dir[3], t[2];
+        direction(c, i % W, i / W, dir);
+        const bool ball = meet_ball(c->eye, dir, t), hidden = c->eye[1] + t[0] * dir[1] > stage->scene.floor;
+        assert_int_equal(truth->channels[SSFR_TRUTH_depth]->data[i] > -SSFR_SURFACE, ball && !hidden);
+        if (ball) n[hidden]++;
+    }
+    assert_true(n[0] > 50 && n[1] > 50);
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
 static void foam_is_seen_before_solids_and_not_behind(void **state)
 {
     (void)state;
@@ -264,6 +314,8 @@ static void foam_is_seen_before_solids_and_not_behind(void **state)
         const double *foam = open->channels[SSFR_TRUTH_foam]->data + 4 * i;
         assert_true(foam[3] >= 0 && foam[3] <= 1 && foam[0] >= 0);
         assert_true(hidden->channels[SSFR_TRUTH_foam]->data[4 * i + 3] == 0);
+        assert_close(foam[0], 0.95 * foam[3], 1e-15, 1e-12); /* all of it is foam */
+        assert_int_equal(open->channels[SSFR_TRUTH_foam_err]->data[i] > 0, foam[3] > 0);
         most = fmax(most, foam[3]);
     }
     assert_true(most > 1e-3);
@@ -304,6 +356,65 @@ static void light_is_finite_from_inside_too(void **state)
     ssfr_truth *truth = test_truth_cast(stage, &params);
     test_truth_check_finite(truth);
     for (int i = 0; i < 3 * W * H; i++) assert_true(truth->channels[SSFR_TRUTH_colour]->data[i] > 0);
+    ssfr_truth_destroy(&truth);
+    ssfr_stage_destroy(&stage);
+}
+
+/* Of the air's index, it only absorbs: what is left of the sky is e^(-a T), T the length beyond the near plane. */
+static void light_fades_by_the_thickness(void **state)
+{
+    (void)state;
+    static const double edge[3] = {0.1, 0.2, 0.505}, target[3] = {0.1, 0.2, 0.05}; /* 5 mm before the ball */
+    static const char *const settings[] = {"truth.kind", "spheres", "truth.parts", "thickness,colour", "medium.ior",
+                                           "1", "medium.absorption_r", "2.385", "medium.color_r", "0", NULL};
+    const ssfr_truth_params params = test_truth_params(settings);
+    ssfr_stage *stage = one_ball(edge), *empty = test_truth_stage(0, edge, ball_radius, edge, target, W, H);
+    ssfr_truth *with = test_truth_cast(stage, &params), *without = test_truth_cast(empty, &params);
+    for (int i = 0; i < W * H; i++) {
+        const double left = exp(-2.385 * with->channels[SSFR_TRUTH_thickness]->data[i]);
+        assert_true(left < 0.5);
+        assert_close(with->channels[SSFR_TRUTH_colour]->data[3 * i],
+                     left * without->channels[SSFR_TRUTH_colour]->data[3 * i], 1e-12, 1e-9);
+    }
+    ssfr_truth_destroy(&with), ssfr_truth_destroy(&without);
+    ssfr_stage_destroy(&stage), ssfr_stage_destroy(&empty);
+}
+
+/* Paths that end at once: their error is what they could have brought. */
+static void paths_that_end_are_in_the_error(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"truth.kind", "spheres", "truth.parts", "colour", "path.depth", "0", NULL};
+    const ssfr_truth_params none = test_truth_params(settings);
+    ssfr_truth_params all = none;
+    ssfr_stage *stage = one_ball(ball_eye);
+    assert_int_equal(ssfr_truth_set(&all, "path.depth", "64"), SSFR_OK);
+    ssfr_truth *rough = test_truth_cast(stage, &none), *fine = test_truth_cast(stage, &all);
+    double most = 0;
+    for (int i = 0; i < W * H; i++) {
+        const double err = rough->channels[SSFR_TRUTH_colour_err]->data[i], own =
+                     fine->channels[SSFR_TRUTH_colour_err]->data[i];
+        for (int k = 0; k < 3; k++)
+            assert_true(fabs(rough->channels[SSFR_TRUTH_colour]->data[3 * i + k] -
+                             fine->channels[SSFR_TRUTH_colour]->data[3 * i + k]) <= err + own + 1e-12);
+        most = fmax(most, err);
+    }
+    assert_true(most > 0.1);
+    ssfr_truth_destroy(&rough), ssfr_truth_destroy(&fine);
+    ssfr_stage_destroy(&stage);
+}
+
+static void a_share_of_the_rays_is_judged(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"truth.parts", "thickness", "truth.judged", "0.25", NULL};
+    const ssfr_truth_params params = test_truth_params(settings);
+    ssfr_stage *stage = test_truth_scene("block", W, H);
+    ssfr_truth *truth = test_truth_cast(stage, &params);
+    double crossed = 0;
+    for (int i = 0; i < W * H; i++) crossed += truth->channels[SSFR_TRUTH_content]->data[i] > 0;
+    assert_close((double)truth->stats.judged, 0.25 * crossed, 0, 0.05);
+    assert_true(truth->stats.judged_ratio > 0 && truth->stats.judged_max > 0);
     ssfr_truth_destroy(&truth);
     ssfr_stage_destroy(&stage);
 }
@@ -404,9 +515,11 @@ static void intervals_hold_the_mean_as_often_as_they_say(void **state)
     (void)state;
     static const char *const quantities[] = {"covered", "depth", "thickness", "content"};
     static const int sides[] = {3, 6};
+    double means[SSFR_COUNT(quantities)];
     ssfr_stage *stage = one_ball(ball_eye);
     const ssfr_truth_params params = test_truth_params(balls);
     ssfr_truth *whole = test_truth_cast(stage, &params);
+    for (size_t q = 0; q < SSFR_COUNT(quantities); q++) means[q] = estimate_of(whole, quantities[q]).value;
     for (size_t s = 0; s < SSFR_COUNT(sides); s++) {
         int held[SSFR_COUNT(quantities)] = {0};
         double widths[SSFR_COUNT(quantities)] = {0};
@@ -415,7 +528,7 @@ static void intervals_hold_the_mean_as_often_as_they_say(void **state)
             ssfr_truth *some = NULL;
             assert_int_equal(ssfr_truth_create(&some, stage, &params, &options), SSFR_OK);
             for (size_t q = 0; q < SSFR_COUNT(quantities); q++) {
-                const double mean = estimate_of(whole, quantities[q]).value;
+                const double mean = means[q];
                 const ssfr_estimate e = estimate_of(some, quantities[q]);
                 held[q] += e.low <= mean && mean <= e.high;
                 widths[q] += (e.high - e.low) / fabs(mean) / 100;
@@ -635,6 +748,28 @@ static void one_covered_pixel_tells_nothing_of_others_but_where_all_are_known(vo
     ssfr_truth_destroy(&some), ssfr_truth_destroy(&all);
 }
 
+static void colours_are_weighed_as_rec_709_says(void **state)
+{
+    (void)state;
+    static const double foam[4] = {0.5, 0.25, 0.125, 0.75}, colour[3] = {0.25, 0.5, 1};
+    ssfr_truth *truth = made_truth(4, 4, 1, SSFR_TRUTH_FOAM | SSFR_TRUTH_COLOUR);
+    draw_pixels(truth, 1);
+    for (int i = 0; i < 16; i++) {
+        memcpy(truth->channels[SSFR_TRUTH_foam]->data + 4 * i, foam, sizeof foam);
+        memcpy(truth->channels[SSFR_TRUTH_colour]->data + 3 * i, colour, sizeof colour);
+    }
+    ssfr_field_fill(truth->channels[SSFR_TRUTH_foam_err], 0.01), ssfr_field_fill(truth->channels[SSFR_TRUTH_colour_err], 0.02);
+    const ssfr_estimate e[] = {estimate_of(truth, "foam_luminance"), estimate_of(truth, "foam_opacity"),
+                               estimate_of(truth, "luminance")};
+    const double values[] = {0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722 * 0.125, 0.75, 0.2126 * 0.25 + 0.7152 * 0.5 + 0.0722};
+    for (size_t i = 0; i < SSFR_COUNT(e); i++) {
+        assert_close(e[i].value, values[i], 0, 1e-14);
+        assert_close(e[i].high - e[i].value, i < 2 ? 0.01 : 0.02, 0, 1e-10);
+        assert_close(e[i].value - e[i].low, i < 2 ? 0.01 : 0.02, 0, 1e-10);
+    }
+    ssfr_truth_destroy(&truth);
+}
+
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
 static ssfr_field *load(const char *path, const char *channels)
@@ -642,6 +777,14 @@ static ssfr_field *load(const char *path, const char *channels)
     ssfr_field *field = NULL;
     assert_int_equal(ssfr_exr_load(path, channels, &field), SSFR_OK);
     return field;
+}
+
+/* Between vectors of about unit length that are nearly parallel; 0 for none. */
+static double angle(const double a[3], const double b[3])
+{
+    const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    const double length2 = ssfr_dot(a, b);
+    return length2 > 0 ? sqrt(ssfr_dot(cross, cross)) / length2 : 0;
 }
 
 static void bounds_in_a_file_hold_for_its_floats(void **state)
@@ -662,11 +805,14 @@ static void bounds_in_a_file_hold_for_its_floats(void **state)
         for (int i = 0; i < W * H * values->c; i++) {
             const double exact = truth->channels[c]->data[i], bound = bounds->data[i / values->c];
             const double own = truth->channels[c + 1]->data[i / values->c];
+            if (fabs(exact) > SSFR_SURFACE) assert_true(bound == 0);
             if (fabs(exact) > SSFR_SURFACE) continue;
             assert_true(fabs(values->data[i] - exact) + own * (values->c == 1) <= bound * (1 + 1e-15));
             wider |= bound > own;
         }
         assert_true(wider);
+        for (int i = 0; i < W * H && c == SSFR_TRUTH_normal; i++)
+            assert_true(angle(truth->channels[c]->data + 3 * i, values->data + 3 * i) <= bounds->data[i]);
         ssfr_field_destroy(&values), ssfr_field_destroy(&bounds);
     }
     double number = 0;
@@ -696,6 +842,9 @@ static void a_preview_fills_the_squares(void **state)
         assert_int_equal(ssfr_truth_preview(path, truth), SSFR_OK);
         assert_int_equal(ssfr_png_load(path, &picture), SSFR_OK);
         assert_int_equal(picture->w, W);
+        const double middle = *ssfr_field_at(picture, W / 2, H / 2), corner = *ssfr_field_at(picture, 0, 0);
+        if (i == 1) assert_true(middle > 0.8 && corner < 0.2); /* lit from the eye, before dark grey */
+        if (i == 2) assert_true(middle < 0.5 && corner == 1); /* water, before white */
         for (int k = 0; k < W * H; k++)
             assert_memory_equal(picture->data + 3 * k, ssfr_field_at(picture, k % W / 4 * 4, k / W / 4 * 4),
                                 3 * sizeof(double));
@@ -818,9 +967,14 @@ int main(void)
         cmocka_unit_test(every_kind_of_fluid_has_finite_numbers),
         cmocka_unit_test(a_million_metres_away_all_is_the_same),
         cmocka_unit_test(solids_and_the_floor_hide_fluid),
+        cmocka_unit_test(a_solid_hides_what_is_behind_it_and_nothing_beside),
+        cmocka_unit_test(from_below_the_floor_hides_what_is_above),
         cmocka_unit_test(foam_is_seen_before_solids_and_not_behind),
         cmocka_unit_test(fluid_as_clear_as_air_is_not_seen),
         cmocka_unit_test(light_is_finite_from_inside_too),
+        cmocka_unit_test(light_fades_by_the_thickness),
+        cmocka_unit_test(paths_that_end_are_in_the_error),
+        cmocka_unit_test(a_share_of_the_rays_is_judged),
         cmocka_unit_test(integrators_agree_within_their_own_errors),
         cmocka_unit_test(a_sample_has_the_pixels_of_the_whole),
         cmocka_unit_test(all_pixels_give_the_mean_itself),
@@ -834,6 +988,7 @@ int main(void)
         cmocka_unit_test(an_odd_square_joins_the_last_pair),
         cmocka_unit_test(what_a_sample_did_not_see_may_be_there),
         cmocka_unit_test(one_covered_pixel_tells_nothing_of_others_but_where_all_are_known),
+        cmocka_unit_test(colours_are_weighed_as_rec_709_says),
         cmocka_unit_test(bounds_in_a_file_hold_for_its_floats),
         cmocka_unit_test(a_preview_fills_the_squares),
         cmocka_unit_test(every_parameter_can_be_set_by_its_key),
