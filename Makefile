@@ -129,7 +129,7 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_UTIL_OBJ) $(APP) $(METRICS
 
 # They count what is allocated, and make it run out of memory.
 $(BUILD)/tests/test_allocations $(BUILD)/tests/test_continuum $(BUILD)/tests/test_crossings \
-$(BUILD)/tests/test_truth_memory: \
+$(BUILD)/tests/test_radiance $(BUILD)/tests/test_truth_memory: \
   private LDFLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 check: deps

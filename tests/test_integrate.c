@@ -270,6 +270,62 @@ static void an_empty_interval_has_no_integral(void **state)
     }
 }
 
+/* ---- the work space ---------------------------------------------------------------------------------------------- */
+
+/* A thousand kinks. */
+static double folds(double t, void *user)
+{
+    (void)user;
+    return fabs(sin(3141.5 * t));
+}
+
+/* A rule that gives up does so for its own integrand's sake, however much room others before it took: else the bits of
+ * an image would hang on which thread had which ray. */
+static void what_was_integrated_before_changes_nothing(void **state)
+{
+    (void)state;
+    enum { N = 5000 };
+    static double breaks[N + 1];
+    double n = N;
+    for (int i = 0; i <= N; i++) breaks[i] = i / n;
+    const ssfr_integrand large = {saw, &n, N + 1, breaks}, hard = {folds, NULL, 2, (const double[]){0, 1}};
+    const ssfr_integrand harder = {folds, NULL, 3, (const double[]){0, 0.002385, 1}};
+    const ssfr_integrate_params exact = {0, 1e-13, 8, 4096};
+    ssfr_integration *fresh;
+    assert_int_equal(integrate(SSFR_INTEGRATOR_qagp, &large, &(ssfr_integrate_params){0, 1e-8, 0, 0}).evaluations,
+                     21 * N);
+    for (int id = SSFR_INTEGRATOR_qags; id < SSFR_N_INTEGRATORS; id++) {
+        const ssfr_integrand *f = id == SSFR_INTEGRATOR_qags ? &hard : &harder;
+        ssfr_integral first;
+        assert_int_equal(ssfr_integration_create(&fresh), SSFR_OK);
+        assert_int_equal(ssfr_integrate(fresh, (ssfr_integrator_id)id, f, &exact, &first), SSFR_OK);
+        ssfr_integration_destroy(&fresh);
+        const ssfr_integral again = integrate((ssfr_integrator_id)id, f, &exact);
+        assert_true(!first.converged || id > SSFR_INTEGRATOR_qagp);
+        assert_true(again.value == first.value && again.err == first.err && again.evaluations == first.evaluations);
+    }
+}
+
+static void room_is_given_and_kept(void **state)
+{
+    (void)state;
+    double *few, *many, *fewer;
+    const ssfr_collocation *four, *again;
+    assert_int_equal(ssfr_integration_room(work, 3, sizeof *few, &few), SSFR_OK);
+    for (int i = 0; i < 3; i++) few[i] = 2.385;
+    assert_int_equal(ssfr_integration_room(work, 100000, sizeof *many, &many), SSFR_OK);
+    for (int i = 0; i < 100000; i++) many[i] = i;
+    assert_int_equal(ssfr_integration_room(work, 99999, sizeof *fewer, &fewer), SSFR_OK);
+    assert_ptr_equal(fewer, many);
+    assert_int_equal(ssfr_integration_collocation(work, 4, &four), SSFR_OK);
+    assert_int_equal(ssfr_integration_collocation(work, 4, &again), SSFR_OK);
+    assert_ptr_equal(again, four);
+    assert_int_equal(four->n, 4);
+    assert_fails(SSFR_ERR_VALUE, ssfr_integration_collocation(work, 0, &again), "0 points");
+    assert_fails(SSFR_ERR_VALUE, ssfr_integration_collocation(work, SSFR_COLLOCATION_MOST + 1, &again), "17 points");
+    assert_fails(SSFR_ERR_VALUE, ssfr_integration_collocation(work, -1, &again), "-1 points");
+}
+
 /* ---- what goes wrong --------------------------------------------------------------------------------------------- */
 
 static double pole(double t, void *user)
@@ -382,6 +438,8 @@ int main(void)
         cmocka_unit_test(narrow_spikes_are_missed_without_break_points),
         cmocka_unit_test(thousands_of_break_points_are_taken),
         cmocka_unit_test(an_empty_interval_has_no_integral),
+        cmocka_unit_test(what_was_integrated_before_changes_nothing),
+        cmocka_unit_test(room_is_given_and_kept),
         cmocka_unit_test(functions_that_are_not_finite_have_an_infinite_error),
         cmocka_unit_test(a_missed_tolerance_is_told_and_no_error),
         cmocka_unit_test(without_tolerances_rules_do_their_best_and_claim_nothing),

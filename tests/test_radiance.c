@@ -7,6 +7,38 @@
 
 #include <float.h>
 
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t n, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void __real_free(void *memory);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t n, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+void __wrap_free(void *memory);
+
+/* The linker puts these in front of malloc and its kin (see the Makefile). No two threads call them at once. */
+static long n_made, fails_at = -1; /* allocations so far; the one that fails, -1: none */
+
+void *__wrap_malloc(size_t size)
+{
+    return n_made++ == fails_at ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t n, size_t size)
+{
+    return n_made++ == fails_at ? NULL : __real_calloc(n, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+    return n_made++ == fails_at ? NULL : __real_realloc(memory, size);
+}
+
+void __wrap_free(void *memory)
+{
+    __real_free(memory);
+}
+
 #define R 0.02385 /* m, radius of the fluid's particles */
 
 static const double nowhere[3] = {0};
@@ -323,6 +355,83 @@ static void collocation_is_exact_for_polynomials(void **state)
     assert_fails(SSFR_ERR_VALUE, ssfr_collocation_init(&c, SSFR_COLLOCATION_MOST + 1), "17 points");
 }
 
+/* Three small flecks on a long ray: the points of qags see those at its ends, and none of them the one between. What is
+ * collected then lies outside of what colours and depth allow, and as much is known to be wrong. */
+static void a_rule_that_misses_a_particle_does_not_claim_to_be_right(void **state)
+{
+    (void)state;
+    const double at[9] = {-0.2, 0.001, -0.002, 0.201, 0.001, -0.002, 0.9, 0.001, -0.002};
+    const ssfr_extinction_params p = params_of(0.1, 0.2);
+    for (int mixed = 0; mixed < 2; mixed++) {
+        medium m;
+        fill(&m, 3, at, mixed ? (uint32_t[]){SSFR_SPRAY, SSFR_FOAM, SSFR_SPRAY} : NULL, nowhere, &p);
+        cast(&m, &along_x);
+        assert_int_equal(m.line.n, 3);
+        const ssfr_radiance exact = collect(&m, SSFR_INTEGRATOR_chords), got = collect(&m, SSFR_INTEGRATOR_qags);
+        const double off = exact.colour[0] - got.colour[0];
+        assert_true(off > 0.1 && exact.err < 1e-10);
+        assert_true(got.err >= (mixed ? 0.5 : 1) * off - exact.err && got.err <= off + 0.1);
+        drain(&m);
+    }
+}
+
+/* ---- work space -------------------------------------------------------------------------------------------------- */
+
+static void cast_about(medium *m, int n)
+{
+    uint64_t seed = 3;
+    for (int i = 0; i < n; i++) {
+        ssfr_ray ray = {{-0.3, 0, 0}, {1, test_random(&seed, -0.1, 0.1), test_random(&seed, -0.1, 0.1)}};
+        ssfr_normalize(ray.dir);
+        cast(m, &ray);
+        for (int id = 0; id < SSFR_N_INTEGRATORS; id++) collect(m, (ssfr_integrator_id)id);
+    }
+}
+
+static void rays_like_those_before_allocate_nothing(void **state)
+{
+    (void)state;
+    medium m;
+    cloud(&m, nowhere, true);
+    cast_about(&m, 4);
+    const long before = n_made;
+    cast_about(&m, 4);
+    assert_int_equal(n_made, before);
+    drain(&m);
+}
+
+static void memory_that_runs_out_is_told_and_leaves_all_in_order(void **state)
+{
+    (void)state;
+    static const ssfr_integrator_id ids[] = {SSFR_INTEGRATOR_chords, SSFR_INTEGRATOR_qagp, SSFR_INTEGRATOR_cquad,
+                                             SSFR_INTEGRATOR_gauss};
+    for (size_t i = 0; i < SSFR_COUNT(ids); i++) {
+        medium m;
+        ssfr_radiance out, again;
+        ssfr_result result = SSFR_ERR_MEMORY;
+        int failed = 0;
+        cloud(&m, nowhere, true);
+        cast(&m, &along_x);
+        for (; result != SSFR_OK; failed++) {
+            ssfr_integration_destroy(&m.work);
+            assert_int_equal(ssfr_integration_create(&m.work), SSFR_OK);
+            test_clear_log();
+            n_made = 0, fails_at = failed;
+            result = ssfr_radiance_collect(&m.extinction, &m.line, m.work, ids[i], &usual, 0, 9, &out);
+            fails_at = -1;
+            if (result == SSFR_OK) break;
+            assert_int_equal(result, SSFR_ERR_MEMORY);
+            assert_int_equal(test_n_errors(), 1);
+            /* The same work space serves when there is memory again. */
+            assert_int_equal(ssfr_radiance_collect(&m.extinction, &m.line, m.work, ids[i], &usual, 0, 9, &again),
+                             SSFR_OK);
+        }
+        assert_true(failed >= 1 && failed < 10); /* those within GSL are none of these */
+        assert_true(memcmp(out.colour, again.colour, sizeof out.colour) == 0 && out.err == again.err);
+        drain(&m);
+    }
+}
+
 /* ---- ends -------------------------------------------------------------------------------------------------------- */
 
 /* Up to a solid, and from there on: L = L1 + T1 L2. */
@@ -513,6 +622,9 @@ int main(void)
         cmocka_unit_test(light_is_collected_or_comes_through),
         cmocka_unit_test(greys_are_integrated_once_for_all_channels),
         cmocka_unit_test(collocation_is_exact_for_polynomials),
+        cmocka_unit_test(a_rule_that_misses_a_particle_does_not_claim_to_be_right),
+        cmocka_unit_test(rays_like_those_before_allocate_nothing),
+        cmocka_unit_test(memory_that_runs_out_is_told_and_leaves_all_in_order),
         cmocka_unit_test(a_ray_that_is_cut_collects_its_parts),
         cmocka_unit_test(nothing_there_collects_nothing),
         cmocka_unit_test(no_particles_are_no_extinction),

@@ -31,6 +31,7 @@ const char *const ssfr_integrator_names[] = {
 
 struct ssfr_integration {
     gsl_integration_workspace *adaptive; /* these are made when they are first needed */
+    size_t adaptive_capacity;            /* pieces */
     gsl_integration_cquad_workspace *cquad;
     gsl_integration_glfixed_table *gauss[MAX_POINTS + 1];
     ssfr_collocation *collocation[SSFR_COLLOCATION_MOST + 1];
@@ -67,20 +68,22 @@ static double least_rel(const ssfr_integrate_params *params)
     return params->eps_abs > 0 ? params->eps_rel : fmax(params->eps_rel, 51 * DBL_EPSILON);
 }
 
-/* Pieces that an integrand may be cut into: as many as its own break points allow, however large the work space has
- * grown with others. */
-static size_t limit_of(const counted *f)
+/* Room for as many pieces as the integrand's own break points allow. Where others before it took more, GSL must not
+ * know: in what order it cuts depends on the work space's limit, too. */
+static ssfr_result prepare_adaptive(ssfr_integration *work, const counted *f)
 {
-    return ADAPTIVE_LIMIT + PIECES_PER_BREAK * f->integrand->n_breaks;
-}
-
-static ssfr_result prepare_adaptive(ssfr_integration *work, size_t limit)
-{
-    if (work->adaptive && work->adaptive->limit >= limit) return SSFR_OK;
-    gsl_integration_workspace_free(work->adaptive);
-    work->adaptive = gsl_integration_workspace_alloc(limit);
-    return work->adaptive ? SSFR_OK
-                          : ssfr_fail(SSFR_ERR_MEMORY, "no memory to integrate over %zu pieces", limit);
+    ssfr_result result = SSFR_OK;
+    const size_t limit = ADAPTIVE_LIMIT + PIECES_PER_BREAK * f->integrand->n_breaks;
+    if (!work->adaptive || work->adaptive_capacity < limit) {
+        gsl_integration_workspace_free(work->adaptive);
+        work->adaptive = gsl_integration_workspace_alloc(2 * limit);
+        work->adaptive_capacity = 2 * limit;
+        if (!work->adaptive)
+            SSFR_TRY(ssfr_fail(SSFR_ERR_MEMORY, "no memory to integrate over %zu pieces", 2 * limit));
+    }
+    work->adaptive->limit = limit;
+end:
+    return result;
 }
 
 /* What adding up the pieces, one after the other, may have rounded away. */
@@ -98,10 +101,10 @@ static ssfr_result run_qags(ssfr_integration *work, counted *f, const ssfr_integ
     const double *breaks = f->integrand->breaks;
     const size_t last = f->integrand->n_breaks - 1;
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(prepare_adaptive(work, limit_of(f)));
+    SSFR_TRY(prepare_adaptive(work, f));
     /* Whatever code it ends with, the estimate of the error is what it got to. */
-    gsl_integration_qags(&function, breaks[0], breaks[last], params->eps_abs, least_rel(params), limit_of(f),
-                         work->adaptive, &out->value, &out->err);
+    gsl_integration_qags(&function, breaks[0], breaks[last], params->eps_abs, least_rel(params),
+                         work->adaptive->limit, work->adaptive, &out->value, &out->err);
     out->err += adaptive_rounding(work->adaptive);
 end:
     return result;
@@ -119,7 +122,7 @@ static void run_each(ssfr_integration *work, counted *f, const ssfr_integrate_pa
     double err = 0;
     for (size_t i = 0; i < n; i++) {
         double value = 0, off = INFINITY;
-        gsl_integration_qags(&function, breaks[i], breaks[i + 1], eps_abs, least_rel(params), limit_of(f),
+        gsl_integration_qags(&function, breaks[i], breaks[i + 1], eps_abs, least_rel(params), work->adaptive->limit,
                              work->adaptive, &value, &off);
         err += off + adaptive_rounding(work->adaptive);
         ssfr_sum_add(&total, value);
@@ -135,7 +138,7 @@ static ssfr_result run_qagp(ssfr_integration *work, counted *f, const ssfr_integ
     gsl_function function = {counted_value, f};
     const size_t n = f->integrand->n_breaks;
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(prepare_adaptive(work, limit_of(f)));
+    SSFR_TRY(prepare_adaptive(work, f));
     if (n > work->breaks_capacity) {
         free(work->breaks);
         work->breaks = NULL, work->breaks_capacity = 0;
@@ -143,8 +146,8 @@ static ssfr_result run_qagp(ssfr_integration *work, counted *f, const ssfr_integ
         work->breaks_capacity = 2 * n;
     }
     memcpy(work->breaks, f->integrand->breaks, n * sizeof *work->breaks);
-    gsl_integration_qagp(&function, work->breaks, n, params->eps_abs, least_rel(params), limit_of(f), work->adaptive,
-                         &out->value, &out->err);
+    gsl_integration_qagp(&function, work->breaks, n, params->eps_abs, least_rel(params), work->adaptive->limit,
+                         work->adaptive, &out->value, &out->err);
     out->err += adaptive_rounding(work->adaptive);
     if (!(out->err <= fmax(params->eps_abs, params->eps_rel * fabs(out->value)))) run_each(work, f, params, out);
 end:

@@ -51,7 +51,8 @@ typedef struct ssfr_integration ssfr_integration;
 SSFR_MUST ssfr_result ssfr_integration_create(ssfr_integration **out);
 void ssfr_integration_destroy(ssfr_integration **work);
 
-/* Memory for n things of `size` bytes that an integrand is made of, not cleared: the work space's, until the next call. */
+/* Memory for n things of `size` bytes that an integrand is made of, not cleared; the work space's, until the next
+ * call. */
 SSFR_MUST ssfr_result ssfr_integration_room(ssfr_integration *work, size_t n, size_t size, void *out);
 /* Collocation by n points, made when it is first asked for; the work space's. */
 SSFR_MUST ssfr_result ssfr_integration_collocation(ssfr_integration *work, int n, const ssfr_collocation **out);

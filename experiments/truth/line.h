@@ -57,9 +57,9 @@ double ssfr_line_rim_err(const ssfr_line *line, const ssfr_line_kernel *k, bool 
  * be NULL. */
 double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err);
 
-/* Where kernels, and the pieces that they are made of, begin or end inside (a, b), and the middles of those that the ray
- * nearly goes through, with a and b themselves: rising, each once. Between two of them the density is smooth. The line's
- * until the next call. */
+/* Where kernels, and the pieces that they are made of, begin or end inside (a, b), and the middles of those that the
+ * ray nearly goes through, with a and b themselves: rising, each once. Between two of them the density is smooth. The
+ * line's until the next call. */
 SSFR_MUST ssfr_result ssfr_line_breaks(ssfr_line *line, double a, double b, size_t *n, const double **breaks);
 
 #endif

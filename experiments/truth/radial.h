@@ -25,7 +25,7 @@ enum { SSFR_N_RADIALS = 3 };
 extern const ssfr_radial ssfr_radials[SSFR_N_RADIALS];
 extern const char *const ssfr_radial_names[SSFR_N_RADIALS + 1];
 
-/* w(q), q >= 0; falls from q = 0 on and is 0 from 1 on. Relative error a few 1e-16, also where it is next to nothing. */
+/* w(q), q >= 0; falls from q = 0 on and is 0 from 1 on. Relative error a few 1e-16, also where it is next to 0. */
 static inline double ssfr_radial_value(const ssfr_radial *radial, double q)
 {
     return radial->value(q);

@@ -22,7 +22,8 @@ typedef struct ssfr_radiance {
  * closed form where what the ray crosses is of one colour; where colours mix, piece by piece, a polynomial that agrees
  * with the closed-form depth, or qags where none does. `steps` takes the optical depth by steps, too, as renderers do.
  * err is what rounding does, and the rule's own estimate where there is no closed form; of `steps` the difference to
- * half as many and to the closed-form transmittance. It never exceeds what the least and largest colour leave open. */
+ * half as many and to the closed-form transmittance. What the least and the largest colour and the closed-form depth
+ * leave open bounds it from above, and from below where a value is outside of that. */
 SSFR_MUST ssfr_result ssfr_radiance_collect(const ssfr_extinction *extinction, ssfr_line *line, ssfr_integration *work,
                                             ssfr_integrator_id id, const ssfr_integrate_params *params, double a,
                                             double b, ssfr_radiance *out);
