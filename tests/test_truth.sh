@@ -38,6 +38,7 @@ that 'that says what is covered' awk -F , '$1 == "covered" { good = $3 > 0.2 && 
 that 'and that a ball holds one ball' [ "$(value thickness)" = "$(value content)" ]
 that 'has a preview' [ -s ball.png ]
 that 'says nothing else' [ ! -s err ]
+that 'leaves its tiles in the cache' [ "$(find cache/ssfr/truth -maxdepth 1 -name '*.tiles' | wc -l)" -eq 1 ]
 cp out first
 accepts 'the same from the cache' truth sphere $small $balls -o again.exr --verbose
 that 'says so' grep -q 'all from the cache' err
@@ -53,6 +54,8 @@ that 'which is said' grep -q 'ssfr truth: warning: rays cross particles, but no 
 accepts 'without a file' truth sphere $small $balls
 accepts 'with a cache of its own' truth sphere $small $balls --cache mine
 that 'which is in the folder that was named' [ "$(find mine/truth -name '*.tiles' | wc -l)" -eq 1 ]
+XDG_CACHE_HOME=relative HOME="$work/home" run truth sphere $small $balls
+that 'or in ~/.cache, where XDG_CACHE_HOME is no whole path' [ -d home/.cache/ssfr/truth ]
 accepts 'anew' truth sphere $small $balls --anew --verbose
 that 'casts again' sh -c '! grep -q "from the cache" err'
 

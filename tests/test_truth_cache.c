@@ -247,6 +247,59 @@ static void threads_and_tiles_change_no_bit(void **state)
     end(&f);
 }
 
+/* ---- what is in the file is of this key and of its place --------------------------------------------------------- */
+
+static size_t load_file(const char *path, unsigned char *bytes, size_t size)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    const size_t n = fread(bytes, 1, size, file);
+    assert_int_equal(fclose(file), 0);
+    return n;
+}
+
+static void tiles_of_another_truth_are_not_taken(void **state)
+{
+    (void)state;
+    static unsigned char bytes[400000];
+    fixture f;
+    begin(&f);
+    ssfr_truth *other = NULL;
+    ssfr_truth_params larger = f.params;
+    assert_int_equal(ssfr_truth_set(&larger, "truth.size", "1.1"), SSFR_OK);
+    assert_int_equal(ssfr_truth_create(&other, f.stage, &larger, &f.options), SSFR_OK);
+    ssfr_truth_destroy(&other);
+    const char *path = file_of(f.cache, f.stage, &larger, &f.options);
+    const size_t size = load_file(path, bytes, sizeof bytes);
+    assert_in_range(size, 100000, sizeof bytes - 1);
+    assert_int_equal(remove(path), 0);
+    f.file = file_of(f.cache, f.stage, &f.params, &f.options);
+    test_write_file(f.file, bytes, size);
+    assert_same(&f, false);
+    end(&f);
+}
+
+/* The first two tiles of the upper row have as many pixels. */
+static void tiles_in_each_others_place_are_not_taken(void **state)
+{
+    (void)state;
+    enum { VALUES = 11 }; /* of surface and thickness */
+    const size_t tile = 2 * sizeof(uint64_t) + sizeof(ssfr_truth_tally) + SSFR_TRUTH_TILE_PIXELS * VALUES * sizeof(double);
+    static unsigned char bytes[400000], swapped[400000];
+    fixture f;
+    begin(&f);
+    assert_same(&f, false);
+    const size_t size = load_file(f.file, bytes, sizeof bytes);
+    assert_true(size > 2 * tile);
+    memcpy(swapped, bytes, size);
+    memcpy(swapped, bytes + tile, tile), memcpy(swapped + tile, bytes, tile);
+    assert_memory_not_equal(swapped, bytes, tile);
+    test_write_file(f.file, swapped, size);
+    assert_same(&f, false);
+    assert_same(&f, true);
+    end(&f);
+}
+
 /* ---- interrupted, and two at once -------------------------------------------------------------------------------- */
 
 static void a_signal_ends_the_work_and_says_how_to_go_on(void **state)
@@ -596,6 +649,8 @@ int main(void)
         cmocka_unit_test(a_file_that_is_cut_at_any_byte_gives_the_same_bits),
         cmocka_unit_test(damage_is_found_and_mended),
         cmocka_unit_test(a_file_of_rubbish_is_as_good_as_none),
+        cmocka_unit_test(tiles_of_another_truth_are_not_taken),
+        cmocka_unit_test(tiles_in_each_others_place_are_not_taken),
         cmocka_unit_test(two_processes_at_once_get_the_same),
         cmocka_unit_test(a_killed_process_leaves_what_it_did),
         cmocka_unit_test(threads_and_tiles_change_no_bit),

@@ -80,9 +80,9 @@ void ssfr_truth_worker_finish(ssfr_truth_worker *worker)
 static double find_solid(const ssfr_truth_scene *s, const ssfr_ray *ray)
 {
     const ssfr_scene *scene = s->scene;
-    const double above = s->scene->camera.eye[1] - scene->floor; /* infinite without a floor */
+    const double above = scene->camera.eye[1] - scene->floor; /* infinite without a floor */
     double nearest = INFINITY;
-    if (isfinite(scene->floor) && above * ray->dir[1] < 0) nearest = -above / ray->dir[1];
+    if (above * ray->dir[1] < 0) nearest = -above / ray->dir[1];
     for (int i = 0; i < scene->n_solids; i++) {
         ssfr_solid solid = scene->solids[i];
         double normal[3];
