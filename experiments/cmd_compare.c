@@ -45,6 +45,7 @@ typedef struct group { /* channels that belong together */
     const char *channels;
     char label[64]; /* stands before the metrics of any numbers, "" for the picture itself */
     ssfr_metric_kind kind;
+    bool metres; /* the numbers are lengths */
     ssfr_field *a, *b;
     const char *err_channel, *err_unit; /* where a reference has its own error */
     double err_scale;                   /* to that unit */
@@ -58,7 +59,8 @@ static const group usual[] = {
      .err_scale = 1},
     {.channels = "N.X,N.Y,N.Z", .label = "N.", .kind = SSFR_METRIC_NORMAL, .err_channel = "N.err", .err_unit = "deg",
      .err_scale = 180 / M_PI},
-    {.channels = "T", .label = "T.", .kind = SSFR_METRIC_ANY, .err_channel = "T.err", .err_unit = "m", .err_scale = 1},
+    {.channels = "T", .label = "T.", .kind = SSFR_METRIC_ANY, .metres = true, .err_channel = "T.err", .err_unit = "m",
+     .err_scale = 1},
 };
 
 /* ---- requirements ------------------------------------------------------------------------------------------------ */
@@ -68,7 +70,7 @@ typedef struct requirement {
     size_t name; /* length of the metric's name */
     char relation[3];
     double value;
-    bool met, measured;
+    bool announced, met; /* there is such a row; it holds */
 } requirement;
 
 static ssfr_result parse_requirement(const char *text, requirement *out)
@@ -95,12 +97,16 @@ static bool holds(const requirement *r, double value)
     return (r->relation[0] == '>' ? greater : less) || (r->relation[1] == '=' && equal);
 }
 
+static bool is_about(const requirement *r, const char *metric)
+{
+    return strlen(metric) == r->name && memcmp(metric, r->text, r->name) == 0;
+}
+
 static void judge(requirement *list, int n, const char *metric, const char *unit, double value)
 {
     for (int i = 0; i < n; i++) {
         requirement *r = &list[i];
-        if (strlen(metric) != r->name || memcmp(metric, r->text, r->name) != 0) continue;
-        r->measured = true;
+        if (!is_about(r, metric)) continue;
         r->met = holds(r, value);
         if (!r->met)
             ssfr_log(SSFR_ERROR, "%s does not hold: %s is %.9g%s%s", r->text, metric, value,
@@ -108,10 +114,15 @@ static void judge(requirement *list, int n, const char *metric, const char *unit
     }
 }
 
-static ssfr_result check_measured(const requirement *list, int n)
+static void announce(requirement *list, int n, const char *metric)
+{
+    for (int i = 0; i < n; i++) list[i].announced |= is_about(&list[i], metric);
+}
+
+static ssfr_result check_announced(const requirement *list, int n)
 {
     for (int i = 0; i < n; i++)
-        if (!list[i].measured)
+        if (!list[i].announced)
             return ssfr_fail(SSFR_ERR_UNKNOWN, "--require %s: %.*s is not among what was measured", list[i].text,
                              (int)list[i].name, list[i].text);
     return SSFR_OK;
@@ -199,7 +210,7 @@ typedef struct comparison {
     ssfr_field *cast; /* NULL: all of B is known */
     int every;        /* px, of the squares of which one pixel was cast each */
     double radius;    /* m; 0: not known */
-    ssfr_csv *csv;
+    ssfr_csv *csv;    /* NULL while rows are only announced */
     requirement *requirements;
     int n_requirements;
 } comparison;
@@ -212,6 +223,10 @@ static ssfr_result add_bound(ssfr_csv *csv, double value)
 static ssfr_result add_row(const comparison *c, const char *name, const char *unit, const ssfr_sampled *value)
 {
     ssfr_result result = SSFR_OK;
+    if (!c->csv) {
+        announce(c->requirements, c->n_requirements, name);
+        goto end;
+    }
     SSFR_TRY(ssfr_csv_text(c->csv, name));
     SSFR_TRY(ssfr_csv_text(c->csv, unit));
     SSFR_TRY(ssfr_csv_number(c->csv, value->value));
@@ -242,6 +257,13 @@ static ssfr_pair pair_of(const comparison *c, const group *g)
     return (ssfr_pair){.a = g->a, .b = g->b, .mask = c->mask, .sampled = c->cast != NULL};
 }
 
+/* Of numbers in general it is known only here. */
+static const char *unit_of(const group *g, const ssfr_metric *metric)
+{
+    if (!g->metres || metric->form == SSFR_FORM_COUNT) return metric->unit;
+    return metric->form == SSFR_FORM_MEAN_SQUARE ? "m^2" : "m";
+}
+
 /* Largest values and counts of a sample are those of the pixels cast, and have no interval. */
 static ssfr_result measure_metric(const comparison *c, const group *g, const ssfr_metric *metric)
 {
@@ -250,9 +272,10 @@ static ssfr_result measure_metric(const comparison *c, const group *g, const ssf
     ssfr_sampled value = {NAN, NAN, NAN};
     char name[128];
     snprintf(name, sizeof name, "%s%s", metric->kind == SSFR_METRIC_ANY ? g->label : "", metric->name);
-    SSFR_TRY(ssfr_metric_measure_pair(metric, &pair, &value.value));
-    if (c->cast && ssfr_metric_is_mean(metric)) SSFR_TRY(ssfr_sampled_metric(metric, &pair, c->cast, c->every, &value));
-    SSFR_TRY(add_rows(c, name, metric->unit, &value));
+    if (c->csv) SSFR_TRY(ssfr_metric_measure_pair(metric, &pair, &value.value));
+    if (c->csv && c->cast && ssfr_metric_is_mean(metric))
+        SSFR_TRY(ssfr_sampled_metric(metric, &pair, c->cast, c->every, &value));
+    SSFR_TRY(add_rows(c, name, unit_of(g, metric), &value));
 end:
     return result;
 }
@@ -288,7 +311,7 @@ static ssfr_result measure_errors(const comparison *c, const group *g)
             largest = isnan(value) || value > largest ? value : largest;
         }
     ssfr_sampled mean = {sum / n, NAN, NAN}, max = {n > 0 ? largest : (double)NAN, NAN, NAN};
-    if (c->cast) SSFR_TRY(ssfr_sampled_mean(c->cast, c->every, error_at, &e, false, &mean));
+    if (c->cast) SSFR_TRY(ssfr_sampled_mean(c->cast, c->every, error_at, &e, 0, &mean));
     snprintf(name, sizeof name, "%s_mean%s", g->err_channel, ending);
     SSFR_TRY(add_rows(c, name, g->err_unit, &mean));
     snprintf(name, sizeof name, "%s_max%s", g->err_channel, ending);
@@ -297,14 +320,19 @@ end:
     return result;
 }
 
+/* Of depths and normals what stands for no surface is no number to take means of, but may be the same to the bit. */
+static bool fits(const comparison *c, const group *g, const ssfr_metric *metric)
+{
+    const bool numbers = g->kind == SSFR_METRIC_ANY || g->kind == SSFR_METRIC_COLOUR;
+    if (c->cast && metric->form == SSFR_FORM_WHOLE) return false;
+    return metric->kind == g->kind || (metric->kind == SSFR_METRIC_ANY && (numbers || !ssfr_metric_is_mean(metric)));
+}
+
 static ssfr_result measure(const comparison *c, const group *g)
 {
     ssfr_result result = SSFR_OK;
-    for (int i = 0; ssfr_metric_at(i); i++) {
-        const ssfr_metric *metric = ssfr_metric_at(i);
-        const bool fits = metric->kind == g->kind || metric->kind == SSFR_METRIC_ANY;
-        if (fits && !(c->cast && metric->form == SSFR_FORM_WHOLE)) SSFR_TRY(measure_metric(c, g, metric));
-    }
+    for (int i = 0; ssfr_metric_at(i); i++)
+        if (fits(c, g, ssfr_metric_at(i))) SSFR_TRY(measure_metric(c, g, ssfr_metric_at(i)));
     if (g->err) SSFR_TRY(measure_errors(c, g));
 end:
     return result;
@@ -332,15 +360,23 @@ static ssfr_result check_picture(const char *path)
     return ssfr_output_check_file(path);
 }
 
+/* NULL when depth is not compared. */
+static const group *find_depth(const comparison *c)
+{
+    const group *found = NULL;
+    for (int i = 0; i < c->n && !found; i++)
+        if (c->groups[i].kind == SSFR_METRIC_DEPTH) found = &c->groups[i];
+    return found;
+}
+
 static ssfr_result draw_difference(const comparison *c, const compare_options *options)
 {
     char title[512];
-    const ssfr_difference_picture picture = {.title = title, .radius = c->radius, .range = options->range};
+    const ssfr_difference_picture picture = {
+        .title = title, .radius = c->radius, .range = options->range, .mask = c->mask};
+    const group *g = find_depth(c);
     snprintf(title, sizeof title, "depth: A = %.200s, B = %.200s", c->paths[0], c->paths[1]);
-    for (int i = 0; i < c->n; i++)
-        if (c->groups[i].kind == SSFR_METRIC_DEPTH)
-            return ssfr_difference_picture_save(options->picture, c->groups[i].a, c->groups[i].b, &picture);
-    return ssfr_fail(SSFR_ERR_VALUE, "--picture %s: draws depth, and Z is not compared", options->picture);
+    return ssfr_difference_picture_save(options->picture, g->a, g->b, &picture);
 }
 
 /* A - B, in A's place. */
@@ -422,11 +458,16 @@ static ssfr_result compare(const char *const paths[2], const compare_options *op
     comparison c = {.paths = paths, .requirements = requirements, .n_requirements = options->requirements.n};
     char *has[2] = {NULL, NULL};
     SSFR_TRY(find_groups(paths, &options->channels, has, c.groups, &c.n));
+    if (options->picture && !find_depth(&c)) {
+        result = ssfr_fail(SSFR_ERR_VALUE, "--picture %s: draws depth, and Z is not compared", options->picture);
+        goto end;
+    }
     SSFR_TRY(load_all(&c, options, has[1]));
-    if (options->picture) SSFR_TRY(draw_difference(&c, options));
+    for (int i = 0; i < c.n; i++) SSFR_TRY(measure(&c, &c.groups[i]));
+    SSFR_TRY(check_announced(requirements, options->requirements.n));
     SSFR_TRY(ssfr_csv_create(&c.csv, NULL, SSFR_COUNT(columns), columns, 1, false));
     for (int i = 0; i < c.n; i++) SSFR_TRY(measure(&c, &c.groups[i]));
-    SSFR_TRY(check_measured(requirements, options->requirements.n));
+    if (options->picture) SSFR_TRY(draw_difference(&c, options));
     if (options->diff) SSFR_TRY(save_difference(options->diff, c.groups, c.n));
 end:
     finish(&c);
@@ -454,8 +495,8 @@ int ssfr_cmd_compare(int argc, char **argv)
                 "a 95 % interval: one pixel a square is a stratified sample, its variance that of pairs of "
                 "neighbouring squares (collapsed strata), with Student's quantile. Largest values and counts are "
                 "those of the pixels cast, without an interval; whether a pixel is interior or at an edge is then "
-                "asked of its neighbours in A alone; ssim and flip, which look around pixels, are left out. "
-                "Elsewhere low and high are empty."};
+                "asked of its neighbours in A alone; the median, ssim and flip are left out. Elsewhere low and high "
+                "are empty."};
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
     if (line.help) goto end;
     for (int i = 0; i < options.requirements.n; i++)

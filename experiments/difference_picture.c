@@ -20,6 +20,8 @@ typedef struct drawing {
 static double cell_of(const drawing *d, size_t i)
 {
     const double a = d->a->data[i], b = d->b->data[i];
+    const ssfr_field *mask = d->picture->mask;
+    if (mask && mask->data[i] == 0) return NAN;
     const bool has_a = fabs(a) < SSFR_SURFACE, has_b = fabs(b) < SSFR_SURFACE;
     return has_a && has_b ? (a - b) / d->unit : has_a ? ONLY_A : has_b ? ONLY_B : NAN;
 }
@@ -125,7 +127,8 @@ static void put_texts(const drawing *d, FILE *script)
     const double n = fmax(1, (double)(d->n_both + d->n_only_a + d->n_only_b));
     char text[256];
     snprintf(text, sizeof text,
-             "grey: no surface;  orange: only in A (%.2f %%);  green: only in B (%.2f %%);  beyond the bar: %.2f %%",
+             "grey: no surface%s;  orange: only in A (%.2f %%);  green: only in B (%.2f %%);  beyond the bar: %.2f %%",
+             d->picture->mask ? ", or not counted" : "",
              100 * (double)d->n_only_a / n, 100 * (double)d->n_only_b / n, 100 * (double)d->n_beyond / n);
     put_line(d, script, d->picture->title, TOP / 3);
     put_line(d, script, text, TOP * 2 / 3);

@@ -9,6 +9,7 @@ typedef struct ssfr_difference_picture {
     const char *title;
     double radius; /* m, of the particles: what the bar counts in; 0: it counts in metres */
     double range;  /* of the bar to both sides, in what it counts in; 0: 95 of 100 pixels lie within it */
+    const ssfr_field *mask; /* pixels where it is 0 are not drawn; NULL: all are */
 } ssfr_difference_picture;
 
 /* Draws a - b of two depth images of one size as a PNG by gnuplot: red where a is nearer to the eye, blue where it is

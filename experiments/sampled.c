@@ -2,7 +2,7 @@
 /* sampled.c: the ratio estimate of a stratified sample with one pixel a stratum, and its interval. */
 #include "experiments/sampled.h"
 
-#include "base/base.h"
+#include "base/field.h"
 
 #include <gsl/gsl_cdf.h>
 
@@ -63,8 +63,9 @@ ssfr_result ssfr_sampled_find(const ssfr_field *cast, const char *path, int *eve
 /* All squares, row by row, every second row backwards: who comes next is next. */
 static void list_strata(const ssfr_field *cast, int every, ssfr_sampled_fn *value, const void *user, stratum *out)
 {
+    const size_t many = 10000; /* fewer are done before threads have begun */
     const int across = squares(cast->w, every), down = squares(cast->h, every);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if ((size_t)across * (size_t)down > many)
     for (int j = 0; j < down; j++)
         for (int i = 0; i < across; i++) {
             stratum *s = &out[(size_t)j * (size_t)across + (size_t)(j % 2 ? across - 1 - i : i)];
@@ -121,8 +122,8 @@ static double half_width(size_t n, const stratum *strata, const double *d)
     return gsl_cdf_tdist_Pinv(0.5 + level / 2, degrees_of(&s)) * sqrt(s.variance);
 }
 
-/* strata: n of them. rare: widened by the share that none of them may have seen. */
-static ssfr_result estimate(size_t n, const stratum *strata, bool rare, ssfr_sampled *out)
+/* strata: n of them. most: see ssfr_sampled_mean. */
+static ssfr_result estimate(size_t n, const stratum *strata, double most, ssfr_sampled *out)
 {
     ssfr_result result = SSFR_OK;
     double *d = NULL;
@@ -140,23 +141,23 @@ static ssfr_result estimate(size_t n, const stratum *strata, bool rare, ssfr_sam
     out->value = base > 0 ? sum / base : (double)NAN;
     for (size_t i = 0; i < n; i++) d[i] = strata[i].share * (strata[i].sum - out->value * strata[i].n) / base;
     const double half = known ? 0 : counted < MIN_COUNTED ? (double)INFINITY : half_width(n, strata, d);
-    const double unseen = -log(0.5 - level / 2) * largest / base;
-    out->low = out->value - (rare ? fmax(half, unseen) : half);
-    out->high = out->value + (rare ? fmax(half, unseen) : half);
+    const double unseen = -log(0.5 - level / 2) * largest / base; /* the share that the sample may have missed */
+    out->low = out->value - (most > 0 ? fmax(half, unseen * out->value) : half);
+    out->high = out->value + (most > 0 ? fmax(half, unseen * (most - out->value)) : half);
 end:
     free(d);
     return result;
 }
 
 ssfr_result ssfr_sampled_mean(const ssfr_field *cast, int every, ssfr_sampled_fn *value, const void *user,
-                              bool share, ssfr_sampled *out)
+                              double most, ssfr_sampled *out)
 {
     ssfr_result result = SSFR_OK;
     stratum *strata = NULL;
     const size_t n = (size_t)squares(cast->w, every) * (size_t)squares(cast->h, every);
     SSFR_TRY(ssfr_alloc(&strata, n, sizeof *strata, "a sample"));
     list_strata(cast, every, value, user, strata);
-    SSFR_TRY(estimate(n, strata, share, out));
+    SSFR_TRY(estimate(n, strata, most, out));
 end:
     free(strata);
     return result;
@@ -175,6 +176,26 @@ static void at_pixel(const void *user, int x, int y, double *sum, double *n)
     ssfr_metric_at_pixel(m->metric, m->pair, x, y, sum, n);
 }
 
+/* m, between the nearest and the farthest surface in both: no pixel's depths differ by more, as far as is known. */
+static double span_of(const ssfr_pair *pair)
+{
+    const size_t n = (size_t)pair->a->w * (size_t)pair->a->h;
+    double least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; i < 2 * n; i++) {
+        const double z = i < n ? pair->a->data[i] : pair->b->data[i - n];
+        if (ssfr_is_surface(z)) least = fmin(least, z), most = fmax(most, z);
+    }
+    return most > least ? most - least : 0;
+}
+
+/* Of what the metric is the mean of. Depths are far apart in few pixels, at outlines, that make most of the mean of
+ * squares; angles and colours are bounded, and signed differences need no more room. */
+static double most_of(const ssfr_metric *metric, const ssfr_pair *pair)
+{
+    if (metric->form == SSFR_FORM_SHARE) return 1;
+    return metric->kind == SSFR_METRIC_DEPTH && metric->form == SSFR_FORM_RMS ? ssfr_square(span_of(pair)) : 0;
+}
+
 /* No mean of squares or shares is below 0, no share above 1. */
 ssfr_result ssfr_sampled_metric(const ssfr_metric *metric, const ssfr_pair *pair, const ssfr_field *cast, int every,
                                 ssfr_sampled *out)
@@ -183,7 +204,7 @@ ssfr_result ssfr_sampled_metric(const ssfr_metric *metric, const ssfr_pair *pair
     const measured m = {metric, pair};
     const bool share = metric->form == SSFR_FORM_SHARE;
     ssfr_sampled mean;
-    SSFR_TRY(ssfr_sampled_mean(cast, every, at_pixel, &m, share, &mean));
+    SSFR_TRY(ssfr_sampled_mean(cast, every, at_pixel, &m, most_of(metric, pair), &mean));
     if (metric->form != SSFR_FORM_MEAN && mean.low < 0) mean.low = 0;
     if (share && mean.high > 1) mean.high = 1;
     const double low = ssfr_metric_of_mean(metric, mean.low), high = ssfr_metric_of_mean(metric, mean.high);

@@ -10,37 +10,45 @@ typedef struct measure { /* one column: a metric of a part */
     ssfr_column_id column;
     ssfr_shot_part part;
     const char *metric;
-    bool interior; /* counts only pixels whose 8 neighbours are surface in both */
 } measure;
 
 static const measure twin_measures[] = {
-    {SSFR_COLUMN_twin_depth_rms, SSFR_SHOT_DEPTH, "depth_rms", false},
-    {SSFR_COLUMN_twin_depth_max, SSFR_SHOT_DEPTH, "depth_max", false},
-    {SSFR_COLUMN_twin_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg", false},
-    {SSFR_COLUMN_twin_psnr, SSFR_SHOT_COLOUR, "psnr", false},
-    {SSFR_COLUMN_twin_flip, SSFR_SHOT_COLOUR, "flip", false},
+    {SSFR_COLUMN_twin_depth_rms, SSFR_SHOT_DEPTH, "depth_rms"},
+    {SSFR_COLUMN_twin_depth_max, SSFR_SHOT_DEPTH, "depth_max"},
+    {SSFR_COLUMN_twin_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg"},
+    {SSFR_COLUMN_twin_psnr, SSFR_SHOT_COLOUR, "psnr"},
+    {SSFR_COLUMN_twin_flip, SSFR_SHOT_COLOUR, "flip"},
 };
 
 static const measure method_measures[] = {
-    {SSFR_COLUMN_method_depth_rms, SSFR_SHOT_DEPTH, "depth_rms", false},
-    {SSFR_COLUMN_method_depth_rms_interior, SSFR_SHOT_DEPTH, "depth_rms", true},
-    {SSFR_COLUMN_method_depth_mean_interior, SSFR_SHOT_DEPTH, "depth_mean", true},
-    {SSFR_COLUMN_method_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg", false},
-    {SSFR_COLUMN_method_normal_interior_deg, SSFR_SHOT_NORMAL, "normal_mean_deg", true},
+    {SSFR_COLUMN_method_depth_rms, SSFR_SHOT_DEPTH, "depth_rms"},
+    {SSFR_COLUMN_method_depth_rms_interior, SSFR_SHOT_DEPTH, "depth_rms_interior"},
+    {SSFR_COLUMN_method_depth_mean_interior, SSFR_SHOT_DEPTH, "depth_mean_interior"},
+    {SSFR_COLUMN_method_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg"},
+    {SSFR_COLUMN_method_normal_interior_deg, SSFR_SHOT_NORMAL, "normal_mean_interior_deg"},
 };
 
 static const measure reference_measures[] = {
-    {SSFR_COLUMN_ref_depth_rms, SSFR_SHOT_DEPTH, "depth_rms", false},
-    {SSFR_COLUMN_ref_depth_mean, SSFR_SHOT_DEPTH, "depth_mean", false},
-    {SSFR_COLUMN_ref_depth_rms_interior, SSFR_SHOT_DEPTH, "depth_rms", true},
-    {SSFR_COLUMN_ref_depth_mean_interior, SSFR_SHOT_DEPTH, "depth_mean", true},
-    {SSFR_COLUMN_ref_depth_rms_edge, SSFR_SHOT_DEPTH, "depth_rms_edge", false},
-    {SSFR_COLUMN_ref_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg", false},
-    {SSFR_COLUMN_ref_normal_interior_deg, SSFR_SHOT_NORMAL, "normal_mean_deg", true},
-    {SSFR_COLUMN_ref_iou, SSFR_SHOT_DEPTH, "silhouette_iou", false},
-    {SSFR_COLUMN_ref_psnr, SSFR_SHOT_COLOUR, "psnr", false},
-    {SSFR_COLUMN_ref_ssim, SSFR_SHOT_COLOUR, "ssim", false},
-    {SSFR_COLUMN_ref_flip, SSFR_SHOT_COLOUR, "flip", false},
+    {SSFR_COLUMN_ref_depth_rms, SSFR_SHOT_DEPTH, "depth_rms"},
+    {SSFR_COLUMN_ref_depth_mean, SSFR_SHOT_DEPTH, "depth_mean"},
+    {SSFR_COLUMN_ref_depth_rms_interior, SSFR_SHOT_DEPTH, "depth_rms_interior"},
+    {SSFR_COLUMN_ref_depth_mean_interior, SSFR_SHOT_DEPTH, "depth_mean_interior"},
+    {SSFR_COLUMN_ref_depth_median_interior_radii, SSFR_SHOT_DEPTH, "depth_median_interior"}, /* m at first */
+    {SSFR_COLUMN_ref_depth_rms_edge, SSFR_SHOT_DEPTH, "depth_rms_edge"},
+    {SSFR_COLUMN_ref_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg"},
+    {SSFR_COLUMN_ref_normal_interior_deg, SSFR_SHOT_NORMAL, "normal_mean_interior_deg"},
+    {SSFR_COLUMN_ref_iou, SSFR_SHOT_DEPTH, "silhouette_iou"},
+    {SSFR_COLUMN_ref_psnr, SSFR_SHOT_COLOUR, "psnr"},
+    {SSFR_COLUMN_ref_ssim, SSFR_SHOT_COLOUR, "ssim"},
+    {SSFR_COLUMN_ref_flip, SSFR_SHOT_COLOUR, "flip"},
+};
+
+static const struct { /* columns in particle radii, and in metres */
+    ssfr_column_id radii, metres;
+} in_radii[] = {
+    {SSFR_COLUMN_ref_depth_rms_interior_radii, SSFR_COLUMN_ref_depth_rms_interior},
+    {SSFR_COLUMN_ref_depth_mean_interior_radii, SSFR_COLUMN_ref_depth_mean_interior},
+    {SSFR_COLUMN_ref_depth_median_interior_radii, SSFR_COLUMN_ref_depth_median_interior_radii},
 };
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
@@ -85,76 +93,20 @@ void ssfr_shot_finish(ssfr_shot *shot)
 
 /* ---- comparing --------------------------------------------------------------------------------------------------- */
 
-static bool is_surface_around(const ssfr_field *depth, int x, int y)
-{
-    if (x < 1 || y < 1 || x >= depth->w - 1 || y >= depth->h - 1) return false;
-    for (int k = 0; k < 9; k++)
-        if (!(fabs(*ssfr_field_at(depth, x - 1 + k % 3, y - 1 + k / 3)) < SSFR_SURFACE)) return false;
-    return true;
-}
-
-/* A mask of the pixels inside, away from silhouettes; NULL where one of the shots has no depth. */
-static ssfr_result find_interior(const ssfr_shot *shot, const ssfr_shot *other, ssfr_field **out)
-{
-    ssfr_result result = SSFR_OK;
-    const ssfr_field *a = shot->parts[SSFR_SHOT_DEPTH], *b = other->parts[SSFR_SHOT_DEPTH];
-    *out = NULL;
-    if (!a || !b) return SSFR_OK;
-    SSFR_TRY(ssfr_field_create(out, a->w, a->h, 1));
-    for (int y = 0; y < a->h; y++)
-        for (int x = 0; x < a->w; x++)
-            *ssfr_field_at(*out, x, y) = is_surface_around(a, x, y) && is_surface_around(b, x, y);
-end:
-    return result;
-}
-
 static ssfr_result run_measures(const ssfr_shot *shot, const ssfr_shot *other, size_t n, const measure *measures,
                                 double values[SSFR_N_COLUMNS])
 {
     ssfr_result result = SSFR_OK;
-    ssfr_field *interior = NULL;
-    SSFR_TRY(find_interior(shot, other, &interior));
     for (size_t i = 0; i < n; i++) {
         const measure *m = &measures[i];
         const ssfr_field *a = shot->parts[m->part], *b = other->parts[m->part];
-        const ssfr_metric *metric = ssfr_metric_find(m->metric);
-        if (!a || !b || (m->interior && !interior)) continue;
-        SSFR_TRY(ssfr_metric_measure(metric, a, b, m->interior ? interior : NULL, &values[m->column]));
+        if (a && b) SSFR_TRY(ssfr_metric_measure(ssfr_metric_find(m->metric), a, b, NULL, &values[m->column]));
     }
 end:
-    ssfr_field_destroy(&interior);
     return result;
 }
 
-static int by_value(const void *p, const void *q)
-{
-    const double a = *(const double *)p, b = *(const double *)q;
-    return (a > b) - (a < b);
-}
-
-/* Of the differences in depth inside, m; NaN where there is no such pixel. */
-static ssfr_result find_median(const ssfr_shot *shot, const ssfr_shot *other, double *out)
-{
-    ssfr_result result = SSFR_OK;
-    const ssfr_field *a = shot->parts[SSFR_SHOT_DEPTH], *b = other->parts[SSFR_SHOT_DEPTH];
-    ssfr_field *interior = NULL;
-    double *differences = NULL;
-    size_t n = 0;
-    *out = NAN;
-    SSFR_TRY(find_interior(shot, other, &interior));
-    if (!interior) goto end;
-    SSFR_TRY(ssfr_alloc(&differences, (size_t)a->w * (size_t)a->h, sizeof *differences, "differences in depth"));
-    for (size_t i = 0; i < (size_t)a->w * (size_t)a->h; i++)
-        if (interior->data[i] != 0) differences[n++] = a->data[i] - b->data[i];
-    qsort(differences, n, sizeof *differences, by_value);
-    if (n > 0) *out = ssfr_mix(differences[(n - 1) / 2], differences[n / 2], 0.5);
-end:
-    free(differences);
-    ssfr_field_destroy(&interior);
-    return result;
-}
-
-/* Where either is fluid; NaN where neither is. */
+/* Where either is fluid; NaN where neither is, and for a share of nothing. */
 static void compare_thickness(const ssfr_field *a, const ssfr_field *b, double values[SSFR_N_COLUMNS])
 {
     const size_t n = (size_t)a->w * (size_t)a->h;
@@ -168,7 +120,7 @@ static void compare_thickness(const ssfr_field *a, const ssfr_field *b, double v
     }
     values[SSFR_COLUMN_ref_thickness_rms] = sqrt(squares / count);
     values[SSFR_COLUMN_ref_thickness_mean] = (sum_a - sum_b) / count;
-    values[SSFR_COLUMN_ref_thickness_ratio] = sum_a / sum_b;
+    values[SSFR_COLUMN_ref_thickness_ratio] = sum_b != 0 ? sum_a / sum_b : NAN;
 }
 
 ssfr_result ssfr_shot_count_nan(const ssfr_shot *shot, double values[SSFR_N_COLUMNS])
@@ -201,15 +153,10 @@ ssfr_result ssfr_shot_compare_reference(const ssfr_shot *shot, const ssfr_shot *
 {
     ssfr_result result = SSFR_OK;
     const ssfr_field *a = shot->parts[SSFR_SHOT_THICKNESS], *b = reference->parts[SSFR_SHOT_THICKNESS];
-    double median;
     SSFR_TRY(run_measures(shot, reference, SSFR_COUNT(reference_measures), reference_measures, values));
     if (a && b) compare_thickness(a, b, values);
-    SSFR_TRY(find_median(shot, reference, &median));
-    if (radius > 0) {
-        values[SSFR_COLUMN_ref_depth_median_interior_radii] = median / radius;
-        values[SSFR_COLUMN_ref_depth_rms_interior_radii] = values[SSFR_COLUMN_ref_depth_rms_interior] / radius;
-        values[SSFR_COLUMN_ref_depth_mean_interior_radii] = values[SSFR_COLUMN_ref_depth_mean_interior] / radius;
-    }
+    for (size_t i = 0; i < SSFR_COUNT(in_radii); i++)
+        values[in_radii[i].radii] = radius > 0 ? values[in_radii[i].metres] / radius : NAN;
 end:
     return result;
 }

@@ -45,6 +45,38 @@ void ssfr_visit_depth_edge(const ssfr_pair *pair, int x, int y, ssfr_tally *tall
     if (!is_interior(pair, x, y)) ssfr_visit_depth(pair, x, y, tally);
 }
 
+static int by_value(const void *p, const void *q)
+{
+    const double a = *(const double *)p, b = *(const double *)q;
+    return (a > b) - (a < b);
+}
+
+/* The middle one of n values, which it sorts; NaN when there is none, or one of them is NaN. */
+static double find_median(double *values, size_t n)
+{
+    bool nan = n == 0;
+    for (size_t i = 0; i < n; i++) nan |= isnan(values[i]);
+    if (nan) return (double)NAN;
+    qsort(values, n, sizeof *values, by_value);
+    return ssfr_mix(values[(n - 1) / 2], values[n / 2], 0.5);
+}
+
+ssfr_result ssfr_metric_run_depth_median_interior(const ssfr_pair *pair, double *out)
+{
+    ssfr_result result = SSFR_OK;
+    double *values = NULL;
+    size_t n = 0;
+    SSFR_TRY(ssfr_alloc(&values, (size_t)pair->a->w * (size_t)pair->a->h, sizeof *values, "differences in depth"));
+    for (int y = 0; y < pair->a->h; y++)
+        for (int x = 0; x < pair->a->w; x++)
+            if (ssfr_pair_counts(pair, x, y) && (has_nan(pair, x, y) || is_interior(pair, x, y)))
+                values[n++] = *ssfr_field_at(pair->a, x, y) - *ssfr_field_at(pair->b, x, y);
+    *out = find_median(values, n);
+end:
+    free(values);
+    return result;
+}
+
 /* 1 for the intersection, 0 for the rest of the union. */
 void ssfr_visit_silhouette(const ssfr_pair *pair, int x, int y, ssfr_tally *tally)
 {

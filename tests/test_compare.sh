@@ -38,6 +38,20 @@ that 'of normals, in degrees' grep -q '^N.err_max_deg,deg,[0-9]' all.csv
 that 'of thickness and colour' holds all.csv 'v["T.err_max"] >= v["T.err_mean"] && v["C.err_max"] >= v["C.err_mean"]'
 that 'that are far below what is measured' holds all.csv 'v["Z.err_mean"] < 1e-4 * v["depth_rms"]'
 that 'no interval is needed' awk -F, 'NR > 1 && ($4 != "" || $5 != "") { exit 1 }' all.csv
+that 'depths have no mean over pixels without a surface' lacks all.csv Z.mse
+that 'nor normals' lacks all.csv N.mean_difference
+that 'but may be the same to the bit' has all.csv Z.max_abs
+that 'lengths have means' holds all.csv 'v["T.mean_difference"] != 0 && v["T.mse"] >= v["T.mean_difference"]^2'
+that 'with units' grep -q '^T.mse,m^2,' all.csv
+that 'in radii, too' grep -q '^T.mean_difference_radii,radii,' all.csv
+that 'the median is between the extremes' \
+    holds all.csv 'v["depth_median_interior"]^2 < v["depth_max_interior"]^2 && v["depth_median_interior"] < 0'
+refuses 'a picture without depth' 'draws depth, and Z is not compared' \
+    compare a.exr all.exr --channel N.X,N.Y,N.Z --picture n.png
+that 'before anything is said' [ ! -s out ]
+refuses 'a demand on what is not measured' 'is not among what was measured' \
+    compare a.exr all.exr --require 'blur<1' --picture n.png --diff n.exr
+that 'without a picture or a difference' [ ! -e n.png -a ! -e n.exr ]
 accepts 'another radius' compare a.exr all.exr --channel Z --radius 0.5
 that 'is taken' holds out '(v["depth_rms_radii"] * 0.5 / v["depth_rms"] - 1)^2 < 1e-12'
 accepts 'a requirement in radii' compare a.exr all.exr \

@@ -98,6 +98,23 @@ static void images_without_a_surface_are_drawn_too(void **state)
     finish(&i);
 }
 
+static void what_is_not_counted_is_not_drawn(void **state)
+{
+    (void)state;
+    images i;
+    ssfr_field *mask = NULL;
+    make_images(&i, 1);
+    assert_int_equal(ssfr_field_create(&mask, W, H, 1), SSFR_OK);
+    *ssfr_field_at(mask, 5, 5) = 1;
+    ssfr_field *drawn = draw_or_skip(&i, &(ssfr_difference_picture){.title = "a sample", .range = 3, .mask = mask});
+    const double *counted = pixel_of(drawn, 5, 5);
+    assert_true(counted[0] > 2 * counted[2]);
+    for (int x = 6; x < W; x += 10) assert_true(pixel_of(drawn, x, 5)[0] == pixel_of(drawn, x, 5)[2]); /* grey */
+    ssfr_field_destroy(&mask);
+    ssfr_field_destroy(&drawn);
+    finish(&i);
+}
+
 static void images_that_do_not_fit_are_refused(void **state)
 {
     (void)state;
@@ -121,6 +138,7 @@ int main(void)
         cmocka_unit_test(colours_say_which_is_nearer_and_which_is_missing),
         cmocka_unit_test(the_range_is_what_is_asked_for_or_what_there_is),
         cmocka_unit_test(images_without_a_surface_are_drawn_too),
+        cmocka_unit_test(what_is_not_counted_is_not_drawn),
         cmocka_unit_test(images_that_do_not_fit_are_refused),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);

@@ -59,7 +59,7 @@ static void every_metric_is_found_by_its_name(void **state)
         assert_ptr_equal(ssfr_metric_find(m->name), m);
         assert_true(strlen(m->help) > 10 && strlen(m->unit) > 0 && strlen(ssfr_metric_kind_name(m->kind)) > 0);
     }
-    assert_int_equal(n, 21);
+    assert_int_equal(n, 23);
     assert_null(ssfr_metric_find("depth"));
     assert_null(ssfr_metric_at(-1));
 }
@@ -369,9 +369,30 @@ static void biases_and_maxima_of_the_interior_stand_apart(void **state)
     *ssfr_field_at(a, 10, 10) = -1.53;
     assert_close(measure("depth_mean_interior", a, b), -0.01 - 0.02 / (28 * 18), 0, 1e-12);
     assert_close(measure("depth_max_interior", a, b), 0.03, 0, 1e-12);
+    assert_close(measure("depth_median_interior", a, b), -0.01, 0, 1e-12);
     assert_close(measure("depth_max", a, b), 0.5, 0, 1e-12);
     ssfr_field_destroy(&a);
     ssfr_field_destroy(&b);
+}
+
+/* Interior pixels of -0.04, -0.01, 0.02 and, hidden at first, 0.5; the rim, which does not count, is far off. */
+static void the_median_is_the_middle_of_the_interior(void **state)
+{
+    (void)state;
+    static const double differences[] = {0.02, -0.04, 0.5, -0.01};
+    ssfr_field *a = make(6, 3, 1, -9), *b = make(6, 3, 1, -1), *mask = make(6, 3, 1, 1);
+    for (int i = 0; i < 4; i++) *ssfr_field_at(a, i + 1, 1) = -1 + differences[i];
+    *ssfr_field_at(mask, 3, 1) = 0;
+    assert_close(measure_masked("depth_median_interior", a, b, mask), -0.01, 0, 1e-12);
+    assert_close(measure("depth_median_interior", a, b), (-0.01 + 0.02) / 2, 0, 1e-12);
+    *ssfr_field_at(mask, 1, 1) = *ssfr_field_at(mask, 2, 1) = 0;
+    assert_close(measure_masked("depth_median_interior", a, b, mask), -0.01, 0, 1e-12);
+    *ssfr_field_at(mask, 4, 1) = 0;
+    assert_true(isnan(measure_masked("depth_median_interior", a, b, mask)));
+    assert_close(measure("mean_difference", a, b), (-8.0 * 14 + 0.47) / 18, 0, 1e-12);
+    ssfr_field_destroy(&a);
+    ssfr_field_destroy(&b);
+    ssfr_field_destroy(&mask);
 }
 
 /* Of a sampled reference only single pixels are known: then a alone says what is interior. */
@@ -570,6 +591,7 @@ int main(void)
         cmocka_unit_test(ssim_under_a_mask_is_the_mean_over_it),
         cmocka_unit_test(what_opencv_throws_comes_back_as_one_line),
         cmocka_unit_test(biases_and_maxima_of_the_interior_stand_apart),
+        cmocka_unit_test(the_median_is_the_middle_of_the_interior),
         cmocka_unit_test(normals_of_interior_and_edge_share_out_the_surface),
         cmocka_unit_test(a_sampled_reference_leaves_neighbours_to_the_measured_image),
         cmocka_unit_test(pixels_add_up_to_the_metric),

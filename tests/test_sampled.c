@@ -188,7 +188,7 @@ static void intervals_hold_in_95_of_100_samples(void **state)
     (void)state;
     static const char *const names[] = {"depth_mean", "depth_rms", "depth_mean_interior", "silhouette_iou",
                                         "normal_mean_deg", "normal_mean_interior_deg", "psnr", "mse"};
-    enum { SAMPLES = 400 };
+    enum { SAMPLES = 250 };
     scene s = make_scene();
     for (size_t i = 0; i < SSFR_COUNT(names); i++) {
         const ssfr_metric *metric = ssfr_metric_find(names[i]);
@@ -205,6 +205,85 @@ static void intervals_hold_in_95_of_100_samples(void **state)
     finish(&s);
 }
 
+/* Five pixels 2 m off make nearly all of the mean of squares, and four of five samples have none of them: the interval
+ * still holds, and its upper end is what as many pixels as may escape a sample can come to. */
+static void few_pixels_that_are_far_off_do_not_escape(void **state)
+{
+    (void)state;
+    enum { SAMPLES = 100 };
+    static const char *const names[] = {"depth_rms", "depth_rms_interior"};
+    scene s = make_scene();
+    coverage c;
+    double whole = NAN;
+    for (int i = 0; i < 5; i++) *ssfr_field_at(s.depth[0], 35 + 2 * i, 32 + i) += 2;
+    for (size_t i = 0; i < SSFR_COUNT(names); i++) {
+        c = (coverage){0};
+        const ssfr_metric *metric = ssfr_metric_find(names[i]);
+        assert_int_equal(ssfr_metric_measure(metric, s.depth[0], s.depth[1], NULL, &whole), SSFR_OK);
+        for (uint64_t seed = 1; seed <= SAMPLES; seed++)
+            try_sample(names[i], s.depth[0], s.depth[1], -SSFR_EMPTY, 977 * seed, whole, &c);
+        assert_true(c.held >= SAMPLES * 95 / 100);
+        assert_true(c.width / SAMPLES < 1); /* still worth something: a pixel can be off by 2.4 m */
+    }
+    finish(&s);
+}
+
+static void flat(const void *user, int x, int y, double *sum, double *n)
+{
+    (void)x, (void)y;
+    *n = 1;
+    *sum = *(const double *)user;
+}
+
+/* Not to see a share p in any of n squares has a chance of e^(-n p): 2.5 % for p = -log(0.025) / n. */
+static void what_may_escape_widens_by_what_it_may_be_worth(void **state)
+{
+    (void)state;
+    ssfr_field *cast = draw_cast(60, 60, 6, 3);
+    const double value = 2.385, escapes = -log(0.025) / 100;
+    ssfr_sampled s;
+    assert_int_equal(ssfr_sampled_mean(cast, 6, flat, &value, 0, &s), SSFR_OK);
+    assert_true(s.low == s.value && s.high == s.value);
+    assert_close(s.value, value, 0, 1e-12);
+    assert_int_equal(ssfr_sampled_mean(cast, 6, flat, &value, 17, &s), SSFR_OK);
+    assert_close(s.low, value * (1 - escapes), 0, 1e-12);
+    assert_close(s.high, value + (17 - value) * escapes, 0, 1e-12);
+    ssfr_field_destroy(&cast);
+    cast = make(60, 60, 1, 1);
+    assert_int_equal(ssfr_sampled_mean(cast, 1, flat, &value, 17, &s), SSFR_OK); /* nothing escapes */
+    assert_true(s.low == s.value && s.high == s.value);
+    ssfr_field_destroy(&cast);
+}
+
+typedef struct some { /* the first n pixels that are asked for count */
+    const ssfr_field *cast;
+    int n;
+} some;
+
+static void in_order(const void *user, int x, int y, double *sum, double *n)
+{
+    const some *s = user;
+    int before = 0;
+    for (int i = 0; i < y * s->cast->w + x; i++) before += s->cast->data[i] != 0;
+    *n = before < s->n;
+    *sum = *n > 0 ? before % 3 : 0;
+}
+
+static void ten_pixels_are_the_fewest_that_have_an_interval(void **state)
+{
+    (void)state;
+    ssfr_field *cast = draw_cast(60, 60, 6, 3);
+    ssfr_sampled s;
+    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 9}, 0, &s), SSFR_OK);
+    assert_true(s.value == 1 && s.low == -INFINITY && s.high == INFINITY);
+    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 10}, 0, &s), SSFR_OK);
+    assert_close(s.value, 0.9, 0, 1e-12);
+    assert_true(s.low > 0 && s.low < 0.9 && s.high > 0.9 && s.high < 2);
+    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 0}, 0, &s), SSFR_OK);
+    assert_true(isnan(s.value) && isnan(s.low) && isnan(s.high));
+    ssfr_field_destroy(&cast);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -214,6 +293,9 @@ int main(void)
         cmocka_unit_test(the_interval_of_alternating_values_is_known),
         cmocka_unit_test(a_share_of_one_has_an_interval),
         cmocka_unit_test(intervals_hold_in_95_of_100_samples),
+        cmocka_unit_test(few_pixels_that_are_far_off_do_not_escape),
+        cmocka_unit_test(what_may_escape_widens_by_what_it_may_be_worth),
+        cmocka_unit_test(ten_pixels_are_the_fewest_that_have_an_interval),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }

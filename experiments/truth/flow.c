@@ -3,6 +3,7 @@
  *
  * Time is counted in steps of the pass, so that the rate is what one of them adds, m. */
 #include "experiments/truth/flow.h"
+#include "experiments/console.h"
 
 #include "passes/curvature_flow.h"
 
@@ -129,6 +130,7 @@ typedef struct watch { /* of one run: the state of the control that GSL asks whe
     double t;        /* start of the step */
     double eps;      /* m, how far beyond the falloff a step may end */
     double flicker;  /* of time: cuts that come and go change at multiples of it */
+    bool again;      /* the second run, which tells the error of the first */
     bool hurry;      /* half of the tries are used up: crossings are no longer located, and cuts change */
     double next;     /* no sooner than this */
     int tries;       /* to locate the crossing in this step */
@@ -223,6 +225,13 @@ static void begin(watch *w, const double *y)
     for (size_t i = 0; i < f->n; i++) f->cuts[i] = cuts_of(f, f->start, i), f->due[i] = -INFINITY, f->quick[i] = 0;
 }
 
+/* Of the two runs; a run ends at its end of time or of tries, whichever comes first. */
+static void tell(const watch *w, double end, size_t tries)
+{
+    const double share = fmax(w->t / end, (double)tries / MAX_TRIES);
+    ssfr_console_progress("flow", (size_t)(50 * ((w->again ? 1 : 0) + share)), 100);
+}
+
 /* From y at time 0 to y at `end`, or to where the tries were used up. */
 static void advance(watch *w, gsl_odeiv2_driver *driver, double end, double *y, ssfr_flow_report *report)
 {
@@ -239,6 +248,7 @@ static void advance(watch *w, gsl_odeiv2_driver *driver, double end, double *y, 
         if (status != GSL_SUCCESS) break; /* no step is short enough */
         w->t = t;
         tries = ++report->steps + taken_back + driver->e->failed_steps;
+        tell(w, end, tries);
         if (!settle(w, y)) continue;
         taken_back += driver->e->failed_steps;
         gsl_odeiv2_driver_reset(driver); /* forgets them, too */
@@ -269,7 +279,8 @@ static ssfr_result solve(flow *f, ssfr_flow_method method, double tolerance, dou
     gsl_odeiv2_driver *driver =
         gsl_odeiv2_driver_alloc_y_new(&system, types[method], first_try, absolute, coarse * tolerance);
     if (!driver) return ssfr_fail(SSFR_ERR_MEMORY, "no memory for %s of %zu unknowns", ssfr_flow_names[method], f->n);
-    watch w = {.f = f, .control = driver->c, .eps = absolute, .flicker = coarse * report->time / flickers[method]};
+    watch w = {.f = f, .control = driver->c, .eps = absolute, .again = coarse > 1,
+               .flicker = coarse * report->time / flickers[method]};
     f->evaluations = f->jacobians = 0;
     advance(&w, driver, report->time, y, report);
     report->evaluations = f->evaluations;
@@ -351,6 +362,7 @@ ssfr_result ssfr_flow_run(const ssfr_run *run, ssfr_flow_method method, double t
     SSFR_TRY(ssfr_alloc(&y, 2 * f.n, sizeof *y, "the unknowns of a flow"));
     SSFR_TRY(solve(&f, method, tolerance, 1, y, report));
     SSFR_TRY(solve(&f, method, tolerance, 10, y + f.n, &again));
+    ssfr_console_progress("flow", 1, 1);
     report->err = report->reached < report->time || again.reached < again.time ? (double)INFINITY
                                                                                : difference(f.n, y, y + f.n);
     report->time *= c->dt;
