@@ -375,6 +375,73 @@ static void a_rule_that_misses_a_particle_does_not_claim_to_be_right(void **stat
     }
 }
 
+/* A cloud of an optical depth of thousands: its far side is not looked at, and yet nothing is missing. */
+static void nothing_is_looked_at_in_the_dark(void **state)
+{
+    (void)state;
+    medium m;
+    const double *breaks;
+    size_t n_breaks;
+    cloud(&m, nowhere, true);
+    m.extinction.kernels.weight *= 1e3;
+    cast(&m, &along_x);
+    assert_int_equal(ssfr_line_breaks(&m.line, 0, 9, &n_breaks, &breaks), SSFR_OK);
+    const size_t all = (16 + 8) * (n_breaks - 1);
+    const ssfr_radiance gauss = collect(&m, SSFR_INTEGRATOR_gauss), chords = collect(&m, SSFR_INTEGRATOR_chords);
+    assert_true(gauss.evaluations > 0 && gauss.evaluations < all / 4);
+    assert_close(gauss.colour[0], chords.colour[0], gauss.err + chords.err, 0);
+    assert_true(chords.transmittance < 1e-100 && chords.colour[0] > 0.8 && chords.err < 1e-9);
+    drain(&m);
+}
+
+static void no_error_is_larger_than_what_the_colours_leave_open(void **state)
+{
+    (void)state;
+    const ssfr_integrate_params rough = {.eps_rel = 0.1, .points = 1};
+    medium m;
+    cloud(&m, nowhere, true);
+    m.extinction.kernels.weight *= 30;
+    cast(&m, &along_x);
+    for (int id = 0; id < SSFR_INTEGRATOR_steps; id++) {
+        const ssfr_radiance got = collect_with(&m, (ssfr_integrator_id)id, &rough, 0, INFINITY);
+        const double opacity = 1 - got.transmittance, value = got.colour[0];
+        assert_true(got.err <= fmax(value - 0.8 * opacity, opacity - value) + 1e-14);
+    }
+    drain(&m);
+}
+
+/* What is asked for holds for the sum of all pieces. */
+static void closed_forms_of_mixed_colours_reach_what_is_asked(void **state)
+{
+    (void)state;
+    medium m;
+    cloud(&m, nowhere, true);
+    cast(&m, &along_x);
+    for (double eps = 1e-2; eps > 1e-10; eps *= 0.1) {
+        const ssfr_integrate_params p = {.eps_rel = eps};
+        const ssfr_radiance got = collect_with(&m, SSFR_INTEGRATOR_chords, &p, 0, INFINITY);
+        assert_true(!got.closed && got.err <= eps * got.colour[0] + 1e-11);
+    }
+    drain(&m);
+}
+
+/* A line that begins within the cloud has nothing before that, whatever is asked for. */
+static void a_line_that_begins_later_is_a_cut(void **state)
+{
+    (void)state;
+    medium m;
+    cloud(&m, nowhere, true);
+    cast(&m, &along_x);
+    const ssfr_radiance cut = collect_with(&m, SSFR_INTEGRATOR_chords, &usual, 0.6385, 0.9);
+    assert_int_equal(ssfr_line_cast(&m.line, &along_x, 0.6385, 0.9), SSFR_OK);
+    for (int i = 0; i < 2; i++) {
+        const ssfr_radiance got = collect_with(&m, SSFR_INTEGRATOR_chords, &usual, i ? 0.6385 : 0, i ? 0.9 : 5);
+        assert_close(got.colour[0], cut.colour[0], got.err + cut.err, 0);
+        assert_close(got.transmittance, cut.transmittance, 1e-12, 0);
+    }
+    drain(&m);
+}
+
 /* ---- work space -------------------------------------------------------------------------------------------------- */
 
 static void cast_about(medium *m, int n)
@@ -398,6 +465,21 @@ static void rays_like_those_before_allocate_nothing(void **state)
     cast_about(&m, 4);
     assert_int_equal(n_made, before);
     drain(&m);
+}
+
+static void room_that_cannot_grow_is_no_room(void **state)
+{
+    (void)state;
+    ssfr_integration *work;
+    double *room;
+    assert_int_equal(ssfr_integration_create(&work), SSFR_OK);
+    assert_int_equal(ssfr_integration_room(work, 10, sizeof *room, &room), SSFR_OK);
+    fails_at = n_made;
+    assert_fails(SSFR_ERR_MEMORY, ssfr_integration_room(work, 1000, sizeof *room, &room), "an integrand is made of");
+    fails_at = -1;
+    assert_int_equal(ssfr_integration_room(work, 10, sizeof *room, &room), SSFR_OK);
+    for (int i = 0; i < 10; i++) room[i] = 2.385;
+    ssfr_integration_destroy(&work);
 }
 
 static void memory_that_runs_out_is_told_and_leaves_all_in_order(void **state)
@@ -623,7 +705,12 @@ int main(void)
         cmocka_unit_test(greys_are_integrated_once_for_all_channels),
         cmocka_unit_test(collocation_is_exact_for_polynomials),
         cmocka_unit_test(a_rule_that_misses_a_particle_does_not_claim_to_be_right),
+        cmocka_unit_test(nothing_is_looked_at_in_the_dark),
+        cmocka_unit_test(no_error_is_larger_than_what_the_colours_leave_open),
+        cmocka_unit_test(closed_forms_of_mixed_colours_reach_what_is_asked),
+        cmocka_unit_test(a_line_that_begins_later_is_a_cut),
         cmocka_unit_test(rays_like_those_before_allocate_nothing),
+        cmocka_unit_test(room_that_cannot_grow_is_no_room),
         cmocka_unit_test(memory_that_runs_out_is_told_and_leaves_all_in_order),
         cmocka_unit_test(a_ray_that_is_cut_collects_its_parts),
         cmocka_unit_test(nothing_there_collects_nothing),
