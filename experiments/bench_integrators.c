@@ -330,6 +330,7 @@ static bool has_points(const ssfr_csv_table *t, const char *integral, const char
 static ssfr_result draw(const bench *b)
 {
     enum { MOST = SSFR_N_STUDY_INTEGRALS * SSFR_STUDY_KINDS };
+    static const char *const what[] = {"integral of density", "radiance"};
     static const char *const x_labels[] = {"largest error, at least the reference's own [particle diameters]",
                                            "largest error, at least the reference's own [light = 1]"};
     ssfr_result result = SSFR_OK;
@@ -341,7 +342,7 @@ static ssfr_result draw(const bench *b)
         for (size_t k = 0; k < b->study.n_kinds[i]; k++) {
             const char *kind = b->study.kinds[i][k].name;
             if (!has_points(&view, ssfr_study_integrals[i], kind)) continue;
-            snprintf(titles[n], sizeof titles[n], "integral of %s along %.80s rays", ssfr_study_integrals[i], kind);
+            snprintf(titles[n], sizeof titles[n], "%s along %.80s rays", what[i], kind);
             panels[n] = (ssfr_panel){.title = titles[n], .x = "error_max", .y = "us_median", .x_label = x_labels[i],
                                      .y_label = "median time of an integral [us]", .log_x = true, .log_y = true,
                                      .keys = {{"integrator", NULL}, {b->study.n_scenes > 1 ? "scene" : NULL, NULL}},
