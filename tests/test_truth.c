@@ -149,7 +149,7 @@ static void a_sheet_one_particle_thick_has_no_holes(void **state)
 static void every_kind_of_fluid_has_finite_numbers(void **state)
 {
     (void)state;
-    ssfr_stage *stage = test_truth_scene("block", 24, 16);
+    ssfr_stage *stage = test_truth_scene("block", 18, 12);
     for (int kind = 0; ssfr_continuum_names[kind]; kind++) {
         const char *const settings[] = {"truth.kind", ssfr_continuum_names[kind], "truth.judged", "1",
                                         "path.depth", "6", "path.least", "0.01", NULL};
@@ -157,11 +157,11 @@ static void every_kind_of_fluid_has_finite_numbers(void **state)
         ssfr_truth *truth = test_truth_cast(stage, &params);
         size_t covered = 0, crossed = 0;
         test_truth_check_finite(truth);
-        for (int i = 0; i < 24 * 16; i++) {
+        for (int i = 0; i < 18 * 12; i++) {
             covered += truth->channels[SSFR_TRUTH_depth]->data[i] > -SSFR_SURFACE;
             crossed += truth->channels[SSFR_TRUTH_content]->data[i] > 0;
         }
-        assert_in_range(covered, 70, 130);
+        assert_in_range(covered, 40, 75);
         assert_int_equal(truth->stats.judged, crossed);
         assert_true(truth->stats.judged_max < 1e-7 && truth->stats.judged_ratio < 100);
         assert_true(truth->stats.bytes > 0 && truth->stats.bytes < 300 * 8000);
@@ -183,7 +183,7 @@ static ssfr_truth *cast_cloud(const char *kind, double origin)
     /* Multiples of 2^-20 m, which a double holds a million metres away, too. */
     for (int i = 0; i < 3 * N; i++)
         positions[i] = origin + floor(test_random(&random, -0.4, 0.4) * 0x1p20) * 0x1p-20;
-    ssfr_stage *stage = test_truth_stage(N, positions, 0.06, eye, target, W, H);
+    ssfr_stage *stage = test_truth_stage(N, positions, 0.06, eye, target, W / 2, H / 2);
     ssfr_truth *truth = test_truth_cast(stage, &params);
     ssfr_stage_destroy(&stage);
     return truth;
@@ -195,7 +195,7 @@ static void a_million_metres_away_all_is_the_same(void **state)
     for (int kind = 0; ssfr_continuum_names[kind]; kind++) {
         ssfr_truth *here = cast_cloud(ssfr_continuum_names[kind], 0);
         ssfr_truth *there = cast_cloud(ssfr_continuum_names[kind], 1e6);
-        for (int i = 0; i < W * H; i++)
+        for (int i = 0; i < W * H / 4; i++)
             for (int c = 0; c < SSFR_N_TRUTH_CHANNELS; c++) {
                 const bool bound = strstr(ssfr_truth_channels[c].name, "err");
                 const bool flat = here->channels[c] && c != SSFR_TRUTH_normal && !bound;
@@ -300,7 +300,7 @@ static void foam_is_seen_before_solids_and_not_behind(void **state)
 {
     (void)state;
     static const double place[3] = {0.1, 0.2, -0.6}; /* it reaches half a metre */
-    static const char *const settings[] = {"truth.parts", "foam", NULL};
+    static const char *const settings[] = {"truth.parts", "foam", "truth.solids", "0", NULL};
     static uint32_t kind[] = {SSFR_FOAM};
     const ssfr_particles given = {.radius = 0.1, .kind = kind};
     const ssfr_truth_params params = test_truth_params(settings);
@@ -425,7 +425,7 @@ static void integrators_agree_within_their_own_errors(void **state)
 {
     (void)state;
     static const char *const names[] = {"qags", "qagp", "cquad", "gauss", "steps"};
-    ssfr_stage *stage = test_truth_scene("block", 20, 12);
+    ssfr_stage *stage = test_truth_scene("block", 15, 9);
     const char *const closed[] = {"truth.parts", "thickness", NULL};
     ssfr_truth_params params = test_truth_params(closed);
     ssfr_truth *truth = test_truth_cast(stage, &params);
@@ -433,7 +433,7 @@ static void integrators_agree_within_their_own_errors(void **state)
         assert_int_equal(ssfr_truth_set(&params, "truth.integrator", names[r]), SSFR_OK);
         ssfr_truth *other = test_truth_cast(stage, &params);
         double largest = 0;
-        for (int i = 0; i < 20 * 12; i++) {
+        for (int i = 0; i < 15 * 9; i++) {
             const double difference = fabs(other->channels[SSFR_TRUTH_content]->data[i] -
                                            truth->channels[SSFR_TRUTH_content]->data[i]);
             largest = fmax(largest, difference);
@@ -655,8 +655,8 @@ static void cast_by_hand(ssfr_truth *truth, int x, int y, double thickness)
     *ssfr_field_at(truth->channels[SSFR_TRUTH_thickness], x, y) = thickness;
 }
 
-/* Squares of four pixels that have the same four values, in any order: what neighbours differ by is noise alone, so that
- * the variance is not overrated and any that is underrated shows. One draw of {0, 1, 2, 5} has a variance of 3.5. */
+/* Squares of four pixels that have the same four values, in any order: what neighbours differ by is noise alone, so
+ * that the variance is not overrated and any that is underrated shows. One draw of {0, 1, 2, 5} has one of 3.5. */
 static void the_interval_has_the_variance_of_the_estimate(void **state)
 {
     (void)state;
@@ -758,10 +758,12 @@ static void colours_are_weighed_as_rec_709_says(void **state)
         memcpy(truth->channels[SSFR_TRUTH_foam]->data + 4 * i, foam, sizeof foam);
         memcpy(truth->channels[SSFR_TRUTH_colour]->data + 3 * i, colour, sizeof colour);
     }
-    ssfr_field_fill(truth->channels[SSFR_TRUTH_foam_err], 0.01), ssfr_field_fill(truth->channels[SSFR_TRUTH_colour_err], 0.02);
+    ssfr_field_fill(truth->channels[SSFR_TRUTH_foam_err], 0.01);
+    ssfr_field_fill(truth->channels[SSFR_TRUTH_colour_err], 0.02);
     const ssfr_estimate e[] = {estimate_of(truth, "foam_luminance"), estimate_of(truth, "foam_opacity"),
                                estimate_of(truth, "luminance")};
-    const double values[] = {0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722 * 0.125, 0.75, 0.2126 * 0.25 + 0.7152 * 0.5 + 0.0722};
+    const double values[] = {0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722 * 0.125, 0.75,
+                             0.2126 * 0.25 + 0.7152 * 0.5 + 0.0722};
     for (size_t i = 0; i < SSFR_COUNT(e); i++) {
         assert_close(e[i].value, values[i], 0, 1e-14);
         assert_close(e[i].high - e[i].value, i < 2 ? 0.01 : 0.02, 0, 1e-10);

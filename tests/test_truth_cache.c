@@ -284,7 +284,8 @@ static void tiles_in_each_others_place_are_not_taken(void **state)
 {
     (void)state;
     enum { VALUES = 11 }; /* of surface and thickness */
-    const size_t tile = 2 * sizeof(uint64_t) + sizeof(ssfr_truth_tally) + SSFR_TRUTH_TILE_PIXELS * VALUES * sizeof(double);
+    const size_t head = 2 * sizeof(uint64_t) + sizeof(ssfr_truth_tally);
+    const size_t tile = head + SSFR_TRUTH_TILE_PIXELS * VALUES * sizeof(double);
     static unsigned char bytes[400000], swapped[400000];
     fixture f;
     begin(&f);
@@ -598,7 +599,8 @@ static void the_key_knows_a_mesh_by_its_triangles(void **state)
 static void the_key_knows_nothing_of_how_particles_came(void **state)
 {
     (void)state;
-    static const double there[] = {0.3, 0.1, -0.2, 0, 0, 0, -0.4, -0.2, 0.1}, back[] = {-0.4, -0.2, 0.1, 0.3, 0.1, -0.2, 0, 0, 0};
+    static const double there[] = {0.3, 0.1, -0.2, 0, 0, 0, -0.4, -0.2, 0.1},
+                        back[] = {-0.4, -0.2, 0.1, 0.3, 0.1, -0.2, 0, 0, 0};
     static float velocity[9] = {1, 2, 3};
     static uint32_t id[] = {7, 5, 6};
     const ssfr_particles plain_ones = {.radius = 0.2}, rich_ones = {.radius = 0.2, .velocity = velocity, .id = id};
@@ -634,7 +636,9 @@ static void the_key_knows_the_sample(void **state)
     options.every = 2;
     const uint64_t second = ssfr_truth_key(stage, &params, &options);
     assert_true(second != key);
-    options.seed = 3;
+    options.every = 3;
+    assert_true(ssfr_truth_key(stage, &params, &options) != second);
+    options.every = 2, options.seed = 3;
     assert_true(ssfr_truth_key(stage, &params, &options) != second);
     ssfr_stage_destroy(&stage);
 }

@@ -9,8 +9,8 @@ enum { SSFR_MAX_ESTIMATES = 8 };
 
 typedef struct ssfr_estimate {
     const char *quantity, *unit;
-    double value, low, high; /* the true mean of all pixels lies in between in 95 of 100 samples, at least; NaN: nothing to
-                              * take the mean of. With every pixel cast: it lies there for certain */
+    double value, low, high; /* the true mean of all pixels lies in between in 95 of 100 samples; NaN: nothing to take
+                              * the mean of. With every pixel cast: it lies there for certain */
     size_t n;                /* pixels that count */
 } ssfr_estimate;
 
