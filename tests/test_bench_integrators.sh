@@ -42,6 +42,18 @@ that 'eight points between break points are' [ "$(rows '$4 == "gauss" && $5 == 8
 that 'so is qagp, whatever is asked' [ "$(rows '$4 == "qagp" && $16 < 1e-8')" -eq 6 ]
 that 'many steps are better than few' [ "$(awk -F, '$4 == "steps" && $5 == 32 { few[$2, $3] = $16 }
     $4 == "steps" && $5 == 512 && $16 < 0.02 * few[$2, $3] { n++ } END { print n }' i.csv)" -eq 3 ]
+that 'and they are counted a ray' [ "$(rows '$4 == "steps" && $5 == 512 && $15 == 768')" -eq 3 ]
+that 'so are kernels, each with two break points or more' \
+    [ "$(rows '$4 == "gauss" && $5 == 2 && $15 / 3 > 2 * $8 - 2 && $15 / 3 < 5 * $8 + 2')" -eq 3 ]
+that 'the fastest of what is exact enough is printed' [ "$(awk -F, 'NR > 1 && $16 <= 1e-6 {
+    k = $1 "\t" $2 "\t" $3 "\t" $4 "\t"; if (!(k in us) || $10 < us[k]) { us[k] = $10; best[k] = k $5 } }
+    END { for (k in best) print best[k] }' i.csv | while IFS= read -r row; do grep -c "^$row	" out; done |
+    sort | uniq -c | tr -s ' ')" = " $(awk -F, 'NR > 1 && $16 <= 1e-6 { seen[$1, $2, $3, $4] }
+    END { for (k in seen) n++; print n }' i.csv) 1" ]
+that 'no error is below what its reference is known to' [ "$(rows '$16 >= $21 && $16 > 2.2e-16')" -eq "$(rows 1)" ]
+that 'two rules judge a radiance' [ "$(rows '$2 == "radiance" && $21 > 0')" -eq 12 ]
+that 'whose colours mix' [ "$(rows '$2 == "radiance" && $4 == "chords" && $15 > 0')" -eq 2 ]
+that 'closed forms have no setting' [ "$(rows '$2 == "density" && $4 == "chords" && $5 == "-"')" -eq 2 ]
 that 'closed forms call nothing' [ "$(rows '$2 == "density" && $4 == "chords" && $15 == 0 && $16 < 1e-12')" -eq 2 ]
 that 'what a rule claims is mostly enough' [ "$(rows '$20 > 0')" -le 3 ]
 that 'the metadata tell the study' grep -q '"study": "title: Two kinds of rays' i.meta.json

@@ -28,9 +28,12 @@ that 'each took time' [ "$(rows b.csv '$16 > 0 && $19 > 0 && $25 > 0')" -eq 20 ]
 that 'no image is measured whole' [ "$(column b.csv whole | sort -u)" = 0 ]
 that 'a particle takes less than 300 bytes' [ "$(rows b.csv '$26 > 24 && $26 < 300')" -eq 20 ]
 that 'shares of the time add up' [ "$(rows b.csv '$22 + $23 + $24 > 0.999 && $22 + $23 + $24 < 1.001')" -eq 20 ]
+that 'an image has its pixels' [ "$(rows b.csv '$25 * $19 / 921600 > 0.999 && $25 * $19 / 921600 < 1.001')" -eq 20 ]
+that 'a ray its kernels' [ "$(rows b.csv '$21 * $11 / $20 > 999 && $21 * $11 / $20 < 1001')" -eq 20 ]
 that 'threads change nothing that is counted' [ "$(cut -d, -f 1-3,8,10-14 b.csv | sed 1d | sort -u | wc -l)" -eq 10 ]
 that 'the metadata has the parameters' grep -q '"truth.level": 0.5' b.meta.json
 that 'and those of stretched kernels' grep -q '"anisotropy.k_r"' b.meta.json
+that 'words as words' grep -q '"truth.kernel": "cubic_spline"' b.meta.json
 that 'a column is none' [ "$(grep -c '"truth.kind"' b.meta.json)" -eq 0 ]
 that 'each column is explained' [ "$(head -n 1 b.csv | tr , '\n' | wc -l)" -eq \
     "$(sed -n '/"columns"/,/}/p' b.meta.json | grep -c '": "')" ]

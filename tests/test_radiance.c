@@ -241,6 +241,9 @@ static void one_colour_is_closed_and_the_rules_agree(void **state)
     assert_null(m.extinction.colour);
     const ssfr_radiance closed = collect(&m, SSFR_INTEGRATOR_chords);
     assert_true(closed.closed && closed.evaluations == 0 && closed.err < 1e-10);
+    double depth_err;
+    ssfr_line_chords(&m.line, 0, 9, &depth_err);
+    assert_true(closed.err >= closed.transmittance * depth_err && depth_err > 4 * DBL_EPSILON);
     assert_close(closed.colour[0], 0.95 * (1 - closed.transmittance), 1e-14, 0);
     for (int id = SSFR_INTEGRATOR_qagp; id < SSFR_N_INTEGRATORS; id++) {
         const ssfr_radiance got = collect(&m, (ssfr_integrator_id)id);
@@ -292,6 +295,27 @@ static void steps_converge_with_the_second_order(void **state)
     /* Five halvings: 4^5 = 1024, give or take what cancels. */
     assert_true(first > 1e-9 && last > 0);
     assert_true(first / last > 300 && first / last < 4000);
+    drain(&m);
+}
+
+/* However few they are: the closed form of the transmittance is at hand. */
+static void steps_know_how_wrong_their_transmittance_is(void **state)
+{
+    (void)state;
+    medium m;
+    uint64_t seed = 17;
+    cloud(&m, nowhere, true);
+    for (int i = 0; i < 40; i++) {
+        ssfr_ray ray = {{-0.3, 0, 0}, {1, test_random(&seed, -0.1, 0.1), test_random(&seed, -0.1, 0.1)}};
+        ssfr_normalize(ray.dir);
+        cast(&m, &ray);
+        const ssfr_radiance exact = collect(&m, SSFR_INTEGRATOR_chords);
+        for (int steps = 2; steps <= 64; steps *= 2) {
+            const ssfr_integrate_params p = {.steps = steps};
+            const ssfr_radiance got = collect_with(&m, SSFR_INTEGRATOR_steps, &p, 0, INFINITY);
+            assert_close(got.transmittance, exact.transmittance, got.err, 1e-12);
+        }
+    }
     drain(&m);
 }
 
@@ -701,6 +725,7 @@ int main(void)
         cmocka_unit_test(one_colour_is_closed_and_the_rules_agree),
         cmocka_unit_test(mixed_colours_agree_within_the_sum_of_the_errors),
         cmocka_unit_test(steps_converge_with_the_second_order),
+        cmocka_unit_test(steps_know_how_wrong_their_transmittance_is),
         cmocka_unit_test(light_is_collected_or_comes_through),
         cmocka_unit_test(greys_are_integrated_once_for_all_channels),
         cmocka_unit_test(collocation_is_exact_for_polynomials),
