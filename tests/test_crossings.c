@@ -2,42 +2,11 @@
 /* test_crossings.c: crossings of a ray with the surface against closed forms, and against dense sampling of the fields
  * as their papers write them, in more digits. Errors that are stated are held to be bounds. */
 #include "experiments/truth/crossings.h"
+#include "tests/counted_memory.h"
 #include "tests/util.h"
 
 #include <float.h>
 #include <gsl/gsl_poly.h>
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void __real_free(void *memory);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-void __wrap_free(void *memory);
-
-/* The linker puts these in front of malloc and its kin (see the Makefile). No two threads call them at once. */
-static long n_made, fails_at = -1; /* allocations so far; the one that fails, -1: none */
-
-void *__wrap_malloc(size_t size)
-{
-    return n_made++ == fails_at ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t n, size_t size)
-{
-    return n_made++ == fails_at ? NULL : __real_calloc(n, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-    return n_made++ == fails_at ? NULL : __real_realloc(memory, size);
-}
-
-void __wrap_free(void *memory)
-{
-    __real_free(memory);
-}
 
 enum { MOST = 2000 };
 
