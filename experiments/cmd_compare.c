@@ -311,7 +311,7 @@ static ssfr_result measure_errors(const comparison *c, const group *g)
             largest = isnan(value) || value > largest ? value : largest;
         }
     ssfr_sampled mean = {sum / n, NAN, NAN}, max = {n > 0 ? largest : (double)NAN, NAN, NAN};
-    if (c->cast) SSFR_TRY(ssfr_sampled_mean(c->cast, c->every, error_at, &e, 0, &mean));
+    if (c->cast) SSFR_TRY(ssfr_sampled_mean(c->cast, c->every, error_at, &e, (ssfr_sampled_range){0, 0}, &mean));
     snprintf(name, sizeof name, "%s_mean%s", g->err_channel, ending);
     SSFR_TRY(add_rows(c, name, g->err_unit, &mean));
     snprintf(name, sizeof name, "%s_max%s", g->err_channel, ending);

@@ -56,7 +56,7 @@ static ssfr_result survey(drawing *d)
         if (!a_alone && !b_alone && isfinite(cell)) sizes[d->n_both++] = fabs(cell);
     }
     qsort(sizes, d->n_both, sizeof *sizes, by_value);
-    const double most = d->n_both > 0 ? sizes[d->n_both * 95 / 100] : 0;
+    const double most = d->n_both > 0 ? sizes[(d->n_both * 95 + 99) / 100 - 1] : 0;
     d->range = d->picture->range > 0 ? d->picture->range : most > 0 ? round_up(most) : 1;
     for (size_t i = 0; i < d->n_both; i++) d->n_beyond += sizes[i] > d->range;
 end:
@@ -127,8 +127,8 @@ static void put_texts(const drawing *d, FILE *script)
     const double n = fmax(1, (double)(d->n_both + d->n_only_a + d->n_only_b));
     char text[256];
     snprintf(text, sizeof text,
-             "grey: no surface%s;  orange: only in A (%.2f %%);  green: only in B (%.2f %%);  beyond the bar: %.2f %%",
-             d->picture->mask ? ", or not counted" : "",
+             "grey: no surface%s; orange: only in A (%.1f %%); green: only in B (%.1f %%); beyond the bar: %.1f %%",
+             d->picture->mask ? " or not counted" : "",
              100 * (double)d->n_only_a / n, 100 * (double)d->n_only_b / n, 100 * (double)d->n_beyond / n);
     put_line(d, script, d->picture->title, TOP / 3);
     put_line(d, script, text, TOP * 2 / 3);

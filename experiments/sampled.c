@@ -122,8 +122,8 @@ static double half_width(size_t n, const stratum *strata, const double *d)
     return gsl_cdf_tdist_Pinv(0.5 + level / 2, degrees_of(&s)) * sqrt(s.variance);
 }
 
-/* strata: n of them. most: see ssfr_sampled_mean. */
-static ssfr_result estimate(size_t n, const stratum *strata, double most, ssfr_sampled *out)
+/* Of n strata. What the sample may have missed, whatever it is worth, within the range of values. */
+static ssfr_result estimate(size_t n, const stratum *strata, ssfr_sampled_range range, ssfr_sampled *out)
 {
     ssfr_result result = SSFR_OK;
     double *d = NULL;
@@ -141,23 +141,23 @@ static ssfr_result estimate(size_t n, const stratum *strata, double most, ssfr_s
     out->value = base > 0 ? sum / base : (double)NAN;
     for (size_t i = 0; i < n; i++) d[i] = strata[i].share * (strata[i].sum - out->value * strata[i].n) / base;
     const double half = known ? 0 : counted < MIN_COUNTED ? (double)INFINITY : half_width(n, strata, d);
-    const double unseen = -log(0.5 - level / 2) * largest / base; /* the share that the sample may have missed */
-    out->low = out->value - (most > 0 ? fmax(half, unseen * out->value) : half);
-    out->high = out->value + (most > 0 ? fmax(half, unseen * (most - out->value)) : half);
+    const double unseen = range.most > range.least ? -log(0.5 - level / 2) * largest / base : 0; /* share */
+    out->low = out->value - fmax(half, unseen * (out->value - range.least));
+    out->high = out->value + fmax(half, unseen * (range.most - out->value));
 end:
     free(d);
     return result;
 }
 
 ssfr_result ssfr_sampled_mean(const ssfr_field *cast, int every, ssfr_sampled_fn *value, const void *user,
-                              double most, ssfr_sampled *out)
+                              ssfr_sampled_range range, ssfr_sampled *out)
 {
     ssfr_result result = SSFR_OK;
     stratum *strata = NULL;
     const size_t n = (size_t)squares(cast->w, every) * (size_t)squares(cast->h, every);
     SSFR_TRY(ssfr_alloc(&strata, n, sizeof *strata, "a sample"));
     list_strata(cast, every, value, user, strata);
-    SSFR_TRY(estimate(n, strata, most, out));
+    SSFR_TRY(estimate(n, strata, range, out));
 end:
     free(strata);
     return result;
@@ -188,12 +188,16 @@ static double span_of(const ssfr_pair *pair)
     return most > least ? most - least : 0;
 }
 
-/* Of what the metric is the mean of. Depths are far apart in few pixels, at outlines, that make most of the mean of
- * squares; angles and colours are bounded, and signed differences need no more room. */
-static double most_of(const ssfr_metric *metric, const ssfr_pair *pair)
+/* Of what the metric is the mean of. Depths are far apart in few pixels, at outlines, which make most of the mean of
+ * squares and some of the mean. Angles and colours have no such tails. */
+static ssfr_sampled_range range_of(const ssfr_metric *metric, const ssfr_pair *pair)
 {
-    if (metric->form == SSFR_FORM_SHARE) return 1;
-    return metric->kind == SSFR_METRIC_DEPTH && metric->form == SSFR_FORM_RMS ? ssfr_square(span_of(pair)) : 0;
+    const double span = metric->kind == SSFR_METRIC_DEPTH ? span_of(pair) : 0;
+    switch (metric->form) {
+    case SSFR_FORM_SHARE: return (ssfr_sampled_range){0, 1};
+    case SSFR_FORM_MEAN: return (ssfr_sampled_range){-span, span};
+    default: return (ssfr_sampled_range){0, ssfr_square(span)};
+    }
 }
 
 /* No mean of squares or shares is below 0, no share above 1. */
@@ -204,7 +208,7 @@ ssfr_result ssfr_sampled_metric(const ssfr_metric *metric, const ssfr_pair *pair
     const measured m = {metric, pair};
     const bool share = metric->form == SSFR_FORM_SHARE;
     ssfr_sampled mean;
-    SSFR_TRY(ssfr_sampled_mean(cast, every, at_pixel, &m, most_of(metric, pair), &mean));
+    SSFR_TRY(ssfr_sampled_mean(cast, every, at_pixel, &m, range_of(metric, pair), &mean));
     if (metric->form != SSFR_FORM_MEAN && mean.low < 0) mean.low = 0;
     if (share && mean.high > 1) mean.high = 1;
     const double low = ssfr_metric_of_mean(metric, mean.low), high = ssfr_metric_of_mean(metric, mean.high);

@@ -23,13 +23,17 @@ SSFR_MUST ssfr_result ssfr_sampled_find(const ssfr_field *cast, const char *path
 /* What a pixel adds to a sum and to the number of what is summed. */
 typedef void ssfr_sampled_fn(const void *user, int x, int y, double *sum, double *n);
 
-/* The mean of all pixels; with every pixel known the interval is the value. most: a pixel's value is in [0, most], and
- * the interval takes in what is too rare to be seen, whatever it is worth: a share p of what counts escapes every
- * square with a chance of exp(-p / W), W the largest of their shares. 0: it does not. */
+typedef struct ssfr_sampled_range {
+    double least, most; /* that a pixel's value can be; equal: not known, or so wide that it says nothing */
+} ssfr_sampled_range;
+
+/* The mean of all pixels; with every pixel known the interval is the value. With a range the interval takes in what is
+ * too rare to be seen, whatever it is worth: a share p of what counts escapes every square with a chance of
+ * exp(-p / W), W the largest of their shares. */
 SSFR_MUST ssfr_result ssfr_sampled_mean(const ssfr_field *cast, int every, ssfr_sampled_fn *value, const void *user,
-                                        double most, ssfr_sampled *out);
-/* A metric that is made of a mean (ssfr_metric_is_mean). The pair's mask counts as well. Shares and mean
- * squares of depth take in what is too rare to be seen. */
+                                        ssfr_sampled_range range, ssfr_sampled *out);
+/* A metric that is made of a mean (ssfr_metric_is_mean). The pair's mask counts as well. Shares and
+ * metrics of depth take in what is too rare to be seen. */
 SSFR_MUST ssfr_result ssfr_sampled_metric(const ssfr_metric *metric, const ssfr_pair *pair, const ssfr_field *cast,
                                           int every, ssfr_sampled *out);
 

@@ -84,6 +84,23 @@ static void the_range_is_what_is_asked_for_or_what_there_is(void **state)
     finish(&i);
 }
 
+/* Of 20 pixels 18 differ by 2.1 at most, one by 2.385, one by 9: 95 of 100 lie within 2.385, and a bar to 5 holds that. */
+static void the_bar_holds_95_of_100_pixels_and_ends_at_a_round_number(void **state)
+{
+    (void)state;
+    images i;
+    make_images(&i, 1);
+    for (int k = 0; k < W * H; k++) {
+        i.b->data[k] = -5;
+        i.a->data[k] = -5 + (k % 20 == 19 ? 9 : k % 20 == 18 || k == 0 ? 2.385 : 2.1 * (k % 20) / 17);
+    }
+    ssfr_field *own = draw_or_skip(&i, &(ssfr_difference_picture){.title = "own"});
+    ssfr_field *same = draw_or_skip(&i, &(ssfr_difference_picture){.title = "own", .range = 5});
+    assert_memory_equal(own->data, same->data, (size_t)own->w * (size_t)own->h * (size_t)own->c * sizeof *own->data);
+    ssfr_field_destroy(&own), ssfr_field_destroy(&same);
+    finish(&i);
+}
+
 static void images_without_a_surface_are_drawn_too(void **state)
 {
     (void)state;
@@ -137,6 +154,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colours_say_which_is_nearer_and_which_is_missing),
         cmocka_unit_test(the_range_is_what_is_asked_for_or_what_there_is),
+        cmocka_unit_test(the_bar_holds_95_of_100_pixels_and_ends_at_a_round_number),
         cmocka_unit_test(images_without_a_surface_are_drawn_too),
         cmocka_unit_test(what_is_not_counted_is_not_drawn),
         cmocka_unit_test(images_that_do_not_fit_are_refused),

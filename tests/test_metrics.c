@@ -416,6 +416,26 @@ static void a_sampled_reference_leaves_neighbours_to_the_measured_image(void **s
     ssfr_field_destroy(&mask);
 }
 
+static void sampled_normals_are_interior_by_the_measured_image_too(void **state)
+{
+    (void)state;
+    ssfr_field *a = make(20, 15, 3, 0), *b = make(20, 15, 3, 0), *mask = make(20, 15, 1, 0);
+    const ssfr_pair pair = {.a = a, .b = b, .mask = mask, .sampled = true};
+    double interior = 0, edge = 0;
+    for (int i = 0; i < 20 * 15; i++) a->data[3 * i + 2] = i == 8 * 20 + 12 ? 0 : 1; /* a hole at (12, 8) */
+    ssfr_field_at(b, 5, 6)[2] = cos(0.2), ssfr_field_at(b, 5, 6)[0] = sin(0.2);
+    ssfr_field_at(b, 11, 7)[2] = cos(0.7), ssfr_field_at(b, 11, 7)[0] = sin(0.7);
+    *ssfr_field_at(mask, 5, 6) = *ssfr_field_at(mask, 11, 7) = 1;
+    const ssfr_metric *within = ssfr_metric_find("normal_mean_interior_deg");
+    assert_int_equal(ssfr_metric_measure_pair(within, &pair, &interior), SSFR_OK);
+    assert_int_equal(ssfr_metric_measure_pair(ssfr_metric_find("normal_mean_edge_deg"), &pair, &edge), SSFR_OK);
+    assert_close(interior * M_PI / 180, 0.2, 0, 1e-12);
+    assert_close(edge * M_PI / 180, 0.7, 0, 1e-12);
+    ssfr_field_destroy(&a);
+    ssfr_field_destroy(&b);
+    ssfr_field_destroy(&mask);
+}
+
 /* The mean over pixels of what each adds is the metric itself. */
 static void pixels_add_up_to_the_metric(void **state)
 {
@@ -481,22 +501,23 @@ static void masks_leave_out_what_they_hide(void **state)
     }
 }
 
+/* At the border, where a pixel is an edge, and amid the picture, where it is interior. */
 static void nan_on_either_side_makes_nan(void **state)
 {
     (void)state;
-    for (int i = 0; ssfr_metric_at(i); i++) {
-        const ssfr_metric *m = ssfr_metric_at(i);
-        const bool counts = strcmp(m->name, "nan_count") == 0;
-        ssfr_field *a = make_kind(m->kind, 20, 12, 1), *b = make_kind(m->kind, 20, 12, 2);
-        const double fine = measure(m->name, a, b);
-        assert_true(isfinite(fine));
-        ssfr_field_at(a, 0, 5)[a->c - 1] = (double)NAN; /* at the border: an edge, and no interior pixel, of a depth */
-        const double nan_a = measure(m->name, a, b), nan_b = measure(m->name, b, a);
-        if (!counts && !(isnan(nan_a) && isnan(nan_b))) print_error("%s: %g and %g\n", m->name, nan_a, nan_b);
-        assert_true(counts ? nan_a == 1 && nan_b == 0 : isnan(nan_a) && isnan(nan_b));
-        ssfr_field_destroy(&a);
-        ssfr_field_destroy(&b);
-    }
+    for (int i = 0; ssfr_metric_at(i); i++)
+        for (int x = 0; x <= 9; x += 9) {
+            const ssfr_metric *m = ssfr_metric_at(i);
+            const bool counts = strcmp(m->name, "nan_count") == 0;
+            ssfr_field *a = make_kind(m->kind, 20, 12, 1), *b = make_kind(m->kind, 20, 12, 2);
+            assert_true(isfinite(measure(m->name, a, b)));
+            ssfr_field_at(a, x, 5)[a->c - 1] = (double)NAN;
+            const double nan_a = measure(m->name, a, b), nan_b = measure(m->name, b, a);
+            if (!counts && !(isnan(nan_a) && isnan(nan_b))) print_error("%s: %g and %g\n", m->name, nan_a, nan_b);
+            assert_true(counts ? nan_a == 1 && nan_b == 0 : isnan(nan_a) && isnan(nan_b));
+            ssfr_field_destroy(&a);
+            ssfr_field_destroy(&b);
+        }
 }
 
 static void infinities_are_counted_and_do_not_crash(void **state)
@@ -594,6 +615,7 @@ int main(void)
         cmocka_unit_test(the_median_is_the_middle_of_the_interior),
         cmocka_unit_test(normals_of_interior_and_edge_share_out_the_surface),
         cmocka_unit_test(a_sampled_reference_leaves_neighbours_to_the_measured_image),
+        cmocka_unit_test(sampled_normals_are_interior_by_the_measured_image_too),
         cmocka_unit_test(pixels_add_up_to_the_metric),
         cmocka_unit_test(masks_leave_out_what_they_hide),
         cmocka_unit_test(nan_on_either_side_makes_nan),

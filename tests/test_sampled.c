@@ -3,6 +3,8 @@
 #include "experiments/sampled.h"
 #include "tests/util.h"
 
+#include <gsl/gsl_cdf.h>
+
 static ssfr_field *make(int w, int h, int c, double value)
 {
     ssfr_field *field = NULL;
@@ -211,7 +213,7 @@ static void few_pixels_that_are_far_off_do_not_escape(void **state)
 {
     (void)state;
     enum { SAMPLES = 100 };
-    static const char *const names[] = {"depth_rms", "depth_rms_interior"};
+    static const char *const names[] = {"depth_rms", "depth_rms_interior", "depth_mean_interior"};
     scene s = make_scene();
     coverage c;
     double whole = NAN;
@@ -228,6 +230,8 @@ static void few_pixels_that_are_far_off_do_not_escape(void **state)
     finish(&s);
 }
 
+static const ssfr_sampled_range none;
+
 static void flat(const void *user, int x, int y, double *sum, double *n)
 {
     (void)x, (void)y;
@@ -240,18 +244,85 @@ static void what_may_escape_widens_by_what_it_may_be_worth(void **state)
 {
     (void)state;
     ssfr_field *cast = draw_cast(60, 60, 6, 3);
+    const ssfr_sampled_range wide = {-3, 17};
     const double value = 2.385, escapes = -log(0.025) / 100;
     ssfr_sampled s;
-    assert_int_equal(ssfr_sampled_mean(cast, 6, flat, &value, 0, &s), SSFR_OK);
+    assert_int_equal(ssfr_sampled_mean(cast, 6, flat, &value, none, &s), SSFR_OK);
     assert_true(s.low == s.value && s.high == s.value);
     assert_close(s.value, value, 0, 1e-12);
-    assert_int_equal(ssfr_sampled_mean(cast, 6, flat, &value, 17, &s), SSFR_OK);
-    assert_close(s.low, value * (1 - escapes), 0, 1e-12);
+    assert_int_equal(ssfr_sampled_mean(cast, 6, flat, &value, wide, &s), SSFR_OK);
+    assert_close(s.low, value - (value + 3) * escapes, 0, 1e-12);
     assert_close(s.high, value + (17 - value) * escapes, 0, 1e-12);
     ssfr_field_destroy(&cast);
     cast = make(60, 60, 1, 1);
-    assert_int_equal(ssfr_sampled_mean(cast, 1, flat, &value, 17, &s), SSFR_OK); /* nothing escapes */
+    assert_int_equal(ssfr_sampled_mean(cast, 1, flat, &value, wide, &s), SSFR_OK); /* nothing escapes */
     assert_true(s.low == s.value && s.high == s.value);
+    ssfr_field_destroy(&cast);
+}
+
+/* In the order of the pairs, to and fro: pair j has 10 j and 1 more, but the fourth has 4 more. */
+static void in_pairs(const void *user, int x, int y, double *sum, double *n)
+{
+    const int across = *(const int *)user, row = y / 6, column = x / 6;
+    const int at = row * across + (row % 2 ? across - 1 - column : column);
+    *n = 1;
+    *sum = 10 * (at / 2) + (at % 2) * (at / 2 == 3 ? 4 : 1);
+}
+
+/* Of ten pairs nine have the variance 1 and one 16: by Satterthwaite 3 (9 + 16)^2 / (9 + 16^2) - 2 degrees, because a
+ * pair's variance squared is thrice too large. */
+static void a_pair_that_holds_most_leaves_few_degrees(void **state)
+{
+    (void)state;
+    enum { ACROSS = 5, DOWN = 4 };
+    ssfr_field *cast = draw_cast(6 * ACROSS, 6 * DOWN, 6, 3);
+    const int across = ACROSS;
+    const double half = gsl_cdf_tdist_Pinv(0.975, 3 * 625 / 265.0 - 2) * 5 / (ACROSS * DOWN);
+    ssfr_sampled s;
+    assert_int_equal(ssfr_sampled_mean(cast, 6, in_pairs, &across, none, &s), SSFR_OK);
+    assert_close(s.high - s.value, half, 0, 1e-9);
+    assert_close(s.value - s.low, half, 0, 1e-9);
+    ssfr_field_destroy(&cast);
+}
+
+/* Depths span what both images have: here the farthest is in the reference, the nearest in the frame. */
+static void depths_may_be_as_far_apart_as_both_images_reach(void **state)
+{
+    (void)state;
+    ssfr_field *a = make(60, 60, 1, -2), *b = make(60, 60, 1, -2), *cast = draw_cast(60, 60, 6, 3);
+    const ssfr_pair pair = {.a = a, .b = b, .mask = cast, .sampled = true};
+    const double escapes = -log(0.025) / 100;
+    ssfr_sampled s;
+    int hidden = 0;
+    while (cast->data[hidden] != 0) hidden++;
+    a->data[hidden] = -1, b->data[hidden] = -4.385;
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("depth_mean"), &pair, cast, 6, &s), SSFR_OK);
+    assert_close(s.high, 3.385 * escapes, 0, 1e-12);
+    assert_close(s.low, -3.385 * escapes, 0, 1e-12);
+    assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("depth_rms"), &pair, cast, 6, &s), SSFR_OK);
+    assert_close(s.high, 3.385 * sqrt(escapes), 0, 1e-12);
+    assert_true(s.low == 0);
+    ssfr_field_destroy(&a), ssfr_field_destroy(&b), ssfr_field_destroy(&cast);
+}
+
+/* Only the first row of squares counts. */
+static void first_row(const void *user, int x, int y, double *sum, double *n)
+{
+    (void)user;
+    *n = y < 6;
+    *sum = *n * (x / 6 % 2);
+}
+
+/* 10 pairs with the same variance: as many degrees, however many pairs there are of which nothing counts. */
+static void pairs_without_a_pixel_that_counts_tell_nothing(void **state)
+{
+    (void)state;
+    ssfr_field *cast = draw_cast(120, 60, 6, 3);
+    const double half = gsl_cdf_tdist_Pinv(0.975, 10) * sqrt(10) / 20;
+    ssfr_sampled s;
+    assert_int_equal(ssfr_sampled_mean(cast, 6, first_row, NULL, none, &s), SSFR_OK);
+    assert_close(s.value, 0.5, 0, 1e-12);
+    assert_close(s.high - s.value, half, 0, 1e-9);
     ssfr_field_destroy(&cast);
 }
 
@@ -274,12 +345,12 @@ static void ten_pixels_are_the_fewest_that_have_an_interval(void **state)
     (void)state;
     ssfr_field *cast = draw_cast(60, 60, 6, 3);
     ssfr_sampled s;
-    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 9}, 0, &s), SSFR_OK);
+    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 9}, none, &s), SSFR_OK);
     assert_true(s.value == 1 && s.low == -INFINITY && s.high == INFINITY);
-    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 10}, 0, &s), SSFR_OK);
+    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 10}, none, &s), SSFR_OK);
     assert_close(s.value, 0.9, 0, 1e-12);
     assert_true(s.low > 0 && s.low < 0.9 && s.high > 0.9 && s.high < 2);
-    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 0}, 0, &s), SSFR_OK);
+    assert_int_equal(ssfr_sampled_mean(cast, 6, in_order, &(some){cast, 0}, none, &s), SSFR_OK);
     assert_true(isnan(s.value) && isnan(s.low) && isnan(s.high));
     ssfr_field_destroy(&cast);
 }
@@ -295,6 +366,9 @@ int main(void)
         cmocka_unit_test(intervals_hold_in_95_of_100_samples),
         cmocka_unit_test(few_pixels_that_are_far_off_do_not_escape),
         cmocka_unit_test(what_may_escape_widens_by_what_it_may_be_worth),
+        cmocka_unit_test(a_pair_that_holds_most_leaves_few_degrees),
+        cmocka_unit_test(depths_may_be_as_far_apart_as_both_images_reach),
+        cmocka_unit_test(pairs_without_a_pixel_that_counts_tell_nothing),
         cmocka_unit_test(ten_pixels_are_the_fewest_that_have_an_interval),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);

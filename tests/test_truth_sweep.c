@@ -143,6 +143,39 @@ static void run(const fixture *f, size_t i, double values[SSFR_N_COLUMNS])
 static const char *const block[] = {"scene=block", "size=64x48", "backend=cpu", NULL};
 static const char *const nothing[] = {NULL};
 
+/* What the truth's own channels say of its errors, pixel by pixel. */
+static void columns_of_the_truths_errors_are_those_of_its_channels(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"curvature_flow.iterations=0", NULL};
+    const size_t index[SSFR_MAX_AXES] = {0};
+    const ssfr_truth_options options = {.every = 1};
+    const ssfr_stage *stage;
+    ssfr_truth *truth = NULL;
+    double v[SSFR_N_COLUMNS], sums[3] = {0}, n[2] = {0}, largest = 0;
+    fixture f;
+    begin(&f, block, settings);
+    run(&f, 0, v);
+    assert_int_equal(ssfr_rig_stage(f.rig, index, &stage), SSFR_OK);
+    assert_int_equal(ssfr_truth_create(&truth, stage, ssfr_rig_truth(f.rig), &options), SSFR_OK);
+    ssfr_field *const *c = truth->channels;
+    for (int i = 0; i < truth->w * truth->h; i++) {
+        const bool surface = fabs(c[SSFR_TRUTH_depth]->data[i]) < SSFR_SURFACE;
+        const bool fluid = c[SSFR_TRUTH_thickness]->data[i] > 0;
+        n[0] += surface, n[1] += fluid;
+        if (surface) sums[0] += c[SSFR_TRUTH_depth_err]->data[i], sums[1] += c[SSFR_TRUTH_normal_err]->data[i];
+        if (surface) largest = fmax(largest, c[SSFR_TRUTH_depth_err]->data[i]);
+        if (fluid) sums[2] += c[SSFR_TRUTH_thickness_err]->data[i];
+    }
+    assert_true(n[0] > 100 && n[0] < truth->w * truth->h && sums[0] > 0 && sums[1] > 0 && sums[2] > 0);
+    assert_close(v[SSFR_COLUMN_truth_depth_err_mean], sums[0] / n[0], 0, 1e-9);
+    assert_close(v[SSFR_COLUMN_truth_depth_err_max], largest, 0, 1e-12);
+    assert_close(v[SSFR_COLUMN_truth_normal_err_mean_deg], sums[1] / n[0] * 180 / acos(-1), 0, 1e-9);
+    assert_close(v[SSFR_COLUMN_truth_thickness_err_mean], sums[2] / n[1], 0, 1e-9);
+    ssfr_truth_destroy(&truth);
+    end(&f);
+}
+
 static void exact_splats_have_no_error_against_spheres(void **state)
 {
     (void)state;
@@ -331,6 +364,7 @@ int main(void)
         cmocka_unit_test(an_exact_splat_is_the_sphere_that_a_ray_meets),
         cmocka_unit_test(exact_splats_of_a_fluid_are_the_union_of_its_spheres),
         cmocka_unit_test(nothing_is_seen_of_no_fluid),
+        cmocka_unit_test(columns_of_the_truths_errors_are_those_of_its_channels),
         cmocka_unit_test(exact_splats_have_no_error_against_spheres),
         cmocka_unit_test(solids_hide_from_rays_what_they_hide_from_splats),
         cmocka_unit_test(errors_stand_in_metres_and_in_radii_and_for_the_twin),

@@ -134,8 +134,8 @@ static ssfr_result estimate(const asked *a, ssfr_estimate *out)
     const struct quantity *q = a->quantity;
     const ssfr_truth *t = a->truth;
     ssfr_sampled value, err;
-    SSFR_TRY(ssfr_sampled_mean(t->cast, t->every, value_at, a, q->share, &value));
-    SSFR_TRY(ssfr_sampled_mean(t->cast, t->every, err_at, a, false, &err));
+    SSFR_TRY(ssfr_sampled_mean(t->cast, t->every, value_at, a, (ssfr_sampled_range){0, q->share}, &value));
+    SSFR_TRY(ssfr_sampled_mean(t->cast, t->every, err_at, a, (ssfr_sampled_range){0, 0}, &err));
     *out = (ssfr_estimate){.quantity = q->name, .unit = q->unit, .value = value.value, .n = count_pixels(a)};
     const double wrong = err.value + (double)t->w * t->h * DBL_EPSILON * fabs(value.value);
     out->low = value.low - wrong;
