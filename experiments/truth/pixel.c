@@ -212,6 +212,7 @@ static ssfr_result tell_content(ssfr_truth_worker *w, int x, int y, double *valu
     const int *at = w->scene->tiles->at;
     ssfr_integral integral = {0};
     double a, b;
+    values[at[SSFR_TRUTH_content_err]] = w->fluid.hidden; /* what may be met, just so, where nothing seems to be */
     if (!clip_line(&w->fluid, &a, &b)) return SSFR_OK;
     if (p->integrator == SSFR_INTEGRATOR_chords)
         integral.value = ssfr_line_chords(&w->fluid, a, b, &integral.err);
