@@ -179,6 +179,7 @@ static ssfr_result integrate(ssfr_truth_worker *w, ssfr_integrator_id id, double
     ssfr_integrand integrand = {.value = density_at, .user = &w->fluid};
     SSFR_TRY(ssfr_line_breaks(&w->fluid, a, b, &integrand.n_breaks, &integrand.breaks));
     SSFR_TRY(ssfr_integrate(w->integration, id, &integrand, &params, out));
+    out->err += w->fluid.hidden;
 end:
     return result;
 }
