@@ -15,7 +15,7 @@ static const ssfr_param cast_rows[] = {
     ROW(REAL, eps_rel, "1", 1e-10, 1e-14, 1, "relative error asked of them"),
     ROW(INT, points, "1", 8, 1, 64, "of the rule gauss, on each piece"),
     ROW(INT, steps, "1", 256, 1, 1 << 24, "of the rule steps"),
-    ROW(REAL, judged, "1", 0.001, 0, 1, "share of the rays whose closed form GSL's qagp judges"),
+    ROW(REAL, judged, "1", 0.01, 0, 1, "share of the rays whose closed form GSL's qagp judges"),
     ROW(FLAG, solids, 1, "solids and the floor hide the fluid behind them in depth, normal and thickness, too"),
     SSFR_PARAM_END,
 };
