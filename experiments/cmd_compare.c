@@ -394,12 +394,15 @@ static ssfr_result save_difference(const char *path, group *groups, int n)
 
 /* ---- loading ----------------------------------------------------------------------------------------------------- */
 
-static ssfr_result check_sizes(const comparison *c)
+static ssfr_result check_sizes(const comparison *c, const char *mask)
 {
-    const ssfr_field *a = c->groups[0].a, *b = c->groups[0].b;
+    const ssfr_field *a = c->groups[0].a, *b = c->groups[0].b, *m = c->mask;
     if (a->w != b->w || a->h != b->h)
         return ssfr_fail(SSFR_ERR_VALUE, "%s is %dx%d pixels, %s is %dx%d", c->paths[0], a->w, a->h, c->paths[1], b->w,
                          b->h);
+    if (m && (m->w != a->w || m->h != a->h || m->c != 1))
+        return ssfr_fail(SSFR_ERR_VALUE, "--mask %s: %dx%d pixels of %d channels, not %dx%d of one", mask, m->w, m->h,
+                         m->c, a->w, a->h);
     return SSFR_OK;
 }
 
@@ -414,7 +417,7 @@ static ssfr_result load_cast(comparison *c, const char *has)
         ssfr_field_destroy(&c->cast);
     } else if (!c->mask) {
         SSFR_TRY(ssfr_field_copy(&c->mask, c->cast));
-    } else if (c->mask->w == c->cast->w && c->mask->h == c->cast->h) { /* another size is refused by the metrics */
+    } else {
         for (int i = 0; i < c->cast->w * c->cast->h; i++)
             if (c->cast->data[i] == 0) c->mask->data[i] = 0;
     }
@@ -432,8 +435,8 @@ static ssfr_result load_all(comparison *c, const compare_options *options, const
         if (g->err_channel && ssfr_channels_include(has, g->err_channel))
             SSFR_TRY(ssfr_exr_load(c->paths[1], g->err_channel, &g->err));
     }
-    SSFR_TRY(check_sizes(c));
     if (options->mask) SSFR_TRY(load_mask(options->mask, &c->mask));
+    SSFR_TRY(check_sizes(c, options->mask));
     SSFR_TRY(load_cast(c, has));
     c->radius = radius_of(c->paths, options);
 end:
@@ -493,10 +496,11 @@ int ssfr_cmd_compare(int argc, char **argv)
                 "of 'ssfr truth --every N', only the pixels cast count. Means and what is made of them are then "
                 "estimates for the whole image, each pixel weighted by the size of its square, and low to high is "
                 "a 95 % interval: one pixel a square is a stratified sample, its variance that of pairs of "
-                "neighbouring squares (collapsed strata), with Student's quantile. Largest values and counts are "
-                "those of the pixels cast, without an interval; whether a pixel is interior or at an edge is then "
-                "asked of its neighbours in A alone; the median, ssim and flip are left out. Elsewhere low and high "
-                "are empty."};
+                "neighbouring squares (collapsed strata), with Student's quantile. That of depths, which may be far "
+                "off in few pixels, reaches as far as those too few to be seen could move it. Largest values and "
+                "counts are those of the pixels cast, without an interval; whether a pixel is interior or at an edge "
+                "is then asked of its neighbours in A alone; the median, ssim and flip are left out. Elsewhere low "
+                "and high are empty."};
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
     if (line.help) goto end;
     for (int i = 0; i < options.requirements.n; i++)

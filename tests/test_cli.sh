@@ -158,7 +158,7 @@ accepts 'a PNG with an EXR' compare block.png block.exr --require 'psnr>=48'
 refuses 'a channel that a PNG lacks' 'block.png: --channel Z: a PNG has only R,G,B' compare block.png block.exr -c Z
 refuses 'a channel that is not there' 'block.exr' compare block.exr block.exr --channel foam
 accepts 'one channel' compare block.exr seed.exr --channel T
-that 'one channel has its name before its numbers' grep -q '^T.mse,1,' out
+that 'one channel has its name before its numbers' grep -q '^T.mse,m^2,' out
 accepts 'another size' render sphere -o wide.exr --backend cpu --size 65x48
 refuses 'images of two sizes' 'wide.exr is 65x48 pixels, block.exr is 64x48' compare wide.exr block.exr
 accepts 'a difference' compare seed.exr block.exr --diff diff.exr

@@ -81,6 +81,8 @@ that 'what looks around pixels is left out' lacks some.csv ssim
 that 'all of it' lacks some.csv flip
 run compare a.exr some.exr --require 'ssim>=0'
 that 'and cannot be required' [ $status -eq 2 ]
+accepts 'a picture of ten pixels' render block -o ten.exr --backend cpu --size 10x10
+refuses 'a mask of another size' '10x10 pixels of 1 channels, not 48x32 of one' compare a.exr some.exr --mask ten.exr:Z
 accepts 'a sample under a mask' compare a.exr some.exr --channel Z --mask a.exr:Z
 that 'counts' holds out 'v["depth_rms"] > 0'
 accepts 'another sample' truth block -o other.exr --every 3 --seed 2 --no-cache $small

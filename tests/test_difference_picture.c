@@ -84,7 +84,7 @@ static void the_range_is_what_is_asked_for_or_what_there_is(void **state)
     finish(&i);
 }
 
-/* Of 20 pixels 18 differ by 2.1 at most, one by 2.385, one by 9: 95 of 100 lie within 2.385, and a bar to 5 holds that. */
+/* Of 20 pixels 18 differ by 2.1 at most, one by 2.385, one by 9: 95 of 100 lie within 2.385, so a bar to 5 holds. */
 static void the_bar_holds_95_of_100_pixels_and_ends_at_a_round_number(void **state)
 {
     (void)state;
