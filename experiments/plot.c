@@ -241,7 +241,7 @@ ssfr_result ssfr_plot_save(const char *svg, const ssfr_csv_table *table, const s
     for (int i = 0; i < spec->n_only; i++) SSFR_TRY(find_column(p, spec->only[i].column, &p->only[i]));
     SSFR_TRY(collect(p));
     if (p->n_points == 0) {
-        ssfr_log(SSFR_WARNING, "%s: not drawn, no run has a value for both %s and %s", svg, spec->x, spec->y);
+        ssfr_log(SSFR_WARNING, "%s: not drawn, none of its runs has a value for both %s and %s", svg, spec->x, spec->y);
         goto end;
     }
     SSFR_TRY(ssfr_gnuplot_draw(svg, put_script, p));

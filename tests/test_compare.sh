@@ -52,6 +52,17 @@ that 'before anything is said' [ ! -s out ]
 refuses 'a demand on what is not measured' 'is not among what was measured' \
     compare a.exr all.exr --require 'blur<1' --picture n.png --diff n.exr
 that 'without a picture or a difference' [ ! -e n.png -a ! -e n.exr ]
+accepts 'the truth with itself' compare all.exr all.exr --channel N.err --channel N.X,N.Y,N.Z --diff zero.exr
+degrees=$(value out N.err_max_deg)
+accepts 'its errors alone' compare all.exr zero.exr --channel N.err
+that 'which are radians in the file' holds out "(v[\"N.err.max_abs\"] * 45 / atan2(1, 1) / $degrees - 1)^2 < 1e-6"
+accepts 'every ninth pixel of all' compare a.exr all.exr --channel Z --mask some.exr:cast
+that 'has errors of its own' holds out "v[\"Z.err_mean\"] > 0 && v[\"Z.err_mean\"] != $(value all.csv Z.err_mean)"
+accepts 'larger particles' render block -o large.exr --backend cpu --radius 0.05 $small
+accepts 'against the truth' compare large.exr all.exr --channel Z
+that 'whose radius counts' holds out '(v["depth_max_radii"] * 0.02 / v["depth_max"] - 1)^2 < 1e-12'
+accepts 'the other way round' compare all.exr large.exr --channel Z
+that 'theirs does' holds out '(v["depth_max_radii"] * 0.05 / v["depth_max"] - 1)^2 < 1e-12'
 accepts 'another radius' compare a.exr all.exr --channel Z --radius 0.5
 that 'is taken' holds out '(v["depth_rms_radii"] * 0.5 / v["depth_rms"] - 1)^2 < 1e-12'
 accepts 'a requirement in radii' compare a.exr all.exr \
@@ -74,6 +85,7 @@ for metric in depth_rms depth_mean normal_mean_deg silhouette_iou psnr; do
     that "that of $metric holds the whole image's" \
         holds some.csv "low[\"$metric\"] <= $whole && $whole <= high[\"$metric\"]"
 done
+that 'what is interior the picture says alone' holds some.csv 'v["depth_mean_interior"] < 0'
 that 'largest values have none' \
     holds some.csv 'v["depth_max"] > 0 && low["depth_max"] == "" && high["depth_max"] == ""'
 that 'and are no larger than all' holds some.csv "v[\"depth_max\"] <= $(value all.csv depth_max)"
@@ -81,8 +93,9 @@ that 'what looks around pixels is left out' lacks some.csv ssim
 that 'all of it' lacks some.csv flip
 run compare a.exr some.exr --require 'ssim>=0'
 that 'and cannot be required' [ $status -eq 2 ]
-accepts 'a picture of ten pixels' render block -o ten.exr --backend cpu --size 10x10
-refuses 'a mask of another size' '10x10 pixels of 1 channels, not 48x32 of one' compare a.exr some.exr --mask ten.exr:Z
+accepts 'a narrower picture' render block -o ten.exr --backend cpu --size 10x32
+refuses 'a mask of another size' '10x32 pixels of 1 channels, not 48x32 of one' compare a.exr some.exr --mask ten.exr:Z
+refuses 'a mask of three channels' '48x32 pixels of 3 channels' compare a.exr some.exr --mask a.exr:R,G,B
 accepts 'a sample under a mask' compare a.exr some.exr --channel Z --mask a.exr:Z
 that 'counts' holds out 'v["depth_rms"] > 0'
 accepts 'another sample' truth block -o other.exr --every 3 --seed 2 --no-cache $small
