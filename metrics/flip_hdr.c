@@ -35,12 +35,6 @@ static double inverse(const double k[6], double y)
     return a == 0 ? -c / b : (-b + sqrt(b * b - 4 * a * c)) / (2 * a);
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static bool is_finite(const ssfr_field *image, const double *value)
 {
     bool finite = true;
@@ -73,7 +67,7 @@ ssfr_result ssfr_flip_expose(const ssfr_pair *pair, ssfr_flip_tone tone, ssfr_fl
     SSFR_TRY(ssfr_alloc(&luminances, (size_t)pair->b->w * (size_t)pair->b->h, sizeof *luminances, "luminances"));
     collect(pair, luminances, &n);
     if (n == 0) goto end;
-    qsort(luminances, n, sizeof *luminances, compare_numbers);
+    qsort(luminances, n, sizeof *luminances, ssfr_by_value);
     if (luminances[n - 1] > FLT_EPSILON) {
         const double x = inverse(coefficients[tone], shown);
         out->start = log2(x / luminances[n - 1]);

@@ -2,64 +2,15 @@
 /* test_continuum.c: what particles are taken for: places, weights, stretched kernels, and the memory that it takes. */
 #include "experiments/truth/line.h"
 #include "base/param.h"
+#include "tests/counted_memory.h"
 #include "tests/util.h"
 
 #include <gsl/gsl_linalg.h>
-#include <malloc.h>
 #include <omp.h>
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void __real_free(void *memory);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-void __wrap_free(void *memory);
-
-/* Bytes that what is linked in here holds, and how often it asked for some; the linker puts these functions in front of
- * malloc and its kin (see the Makefile). No two threads call them at once. */
-static size_t live, peak;
-static long n_made, fails_at = -1; /* the allocation that fails, counted from start_counting; -1: none */
-
-static bool runs_out(void)
-{
-    return n_made++ == fails_at;
-}
-
-static void *count(void *memory)
-{
-    if (memory) live += malloc_usable_size(memory);
-    peak = live > peak ? live : peak;
-    return memory;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return runs_out() ? NULL : count(__real_malloc(size));
-}
-
-void *__wrap_calloc(size_t n, size_t size)
-{
-    return runs_out() ? NULL : count(__real_calloc(n, size));
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-    if (runs_out()) return NULL;
-    if (memory) live -= malloc_usable_size(memory);
-    return count(__real_realloc(memory, size));
-}
-
-void __wrap_free(void *memory)
-{
-    if (memory) live -= malloc_usable_size(memory);
-    __real_free(memory);
-}
 
 static void start_counting(long failing)
 {
-    peak = live;
+    peak_bytes = bytes;
     n_made = 0;
     fails_at = failing;
     test_clear_log();
@@ -378,15 +329,15 @@ static void a_particle_takes_less_than_300_bytes(void **state)
     const double n = 30 * 30 * 30, most = 300;
     ssfr_particles *particles = block_of(30, here, &(ssfr_particles){.radius = radius});
     for (int kind = 0; kind < SSFR_N_CONTINUA; kind++) {
-        const size_t before = live;
+        const long before = bytes;
         start_counting(-1);
         ssfr_continuum fluid = continuum_of(particles, (ssfr_continuum_kind)kind);
-        assert_true((double)(peak - before) < most * n);
+        assert_true((double)(peak_bytes - before) < most * n);
         assert_true((double)ssfr_continuum_bytes(&fluid) > 24 * n);
-        assert_true((double)ssfr_continuum_bytes(&fluid) <= (double)(live - before));
-        assert_close((double)(live - before), (double)ssfr_continuum_bytes(&fluid), 1 << 16, 0);
+        assert_true((double)ssfr_continuum_bytes(&fluid) <= (double)(bytes - before));
+        assert_close((double)(bytes - before), (double)ssfr_continuum_bytes(&fluid), 1 << 16, 0);
         ssfr_continuum_finish(&fluid);
-        assert_int_equal(live, before);
+        assert_int_equal(bytes, before);
     }
     ssfr_particles_destroy(&particles);
 }
@@ -397,7 +348,7 @@ static void running_out_of_memory_leaves_nothing_behind(void **state)
     ssfr_particles *particles = block();
     for (int kind = 0; kind < SSFR_N_CONTINUA; kind++) {
         const ssfr_continuum_params params = params_of((ssfr_continuum_kind)kind);
-        const size_t before = live;
+        const long before = bytes;
         long failing = 0;
         ssfr_result result = SSFR_ERR_MEMORY;
         for (; result != SSFR_OK; failing++) {
@@ -408,7 +359,7 @@ static void running_out_of_memory_leaves_nothing_behind(void **state)
             assert_true(result == SSFR_OK || result == SSFR_ERR_MEMORY);
             assert_int_equal(test_n_errors(), result == SSFR_OK ? 0 : 1);
             ssfr_continuum_finish(&fluid);
-            assert_int_equal(live, before);
+            assert_int_equal(bytes, before);
         }
         assert_true(failing > 2);
     }

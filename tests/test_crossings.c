@@ -1084,7 +1084,8 @@ static void running_out_of_memory_anywhere_is_an_error_and_a_warm_line_needs_non
         const long all = n_made;
         assert_true(all > 3);
         for (long i = 0; i < all; i++) {
-            n_made = 0, fails_at = i;
+            n_made = 0;
+            fails_at = i;
             assert_fails(SSFR_ERR_MEMORY, try_all(&fluid, &ray), "no memory for");
             fails_at = -1;
         }

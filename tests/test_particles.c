@@ -153,12 +153,6 @@ static void packets_of_a_lattice_are_its_blocks(void **state)
     free(positions);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void spacing_is_half_the_median_distance_to_the_nearest(void **state)
 {
     (void)state;
@@ -173,7 +167,7 @@ static void spacing_is_half_the_median_distance_to_the_nearest(void **state)
             if (i != j) distances[i] = fmin(distances[i], sqrt(ssfr_dot(d, d)));
         }
     }
-    qsort(distances, SOME, sizeof *distances, by_value);
+    qsort(distances, SOME, sizeof *distances, ssfr_by_value);
     ssfr_particles *p = create(SOME, c->positions, NULL);
     assert_close(ssfr_particles_spacing(p), 0.25 * (distances[SOME / 2 - 1] + distances[SOME / 2]), 0, 1e-6);
     ssfr_particles_destroy(&p);

@@ -124,12 +124,6 @@ static double along(double s, void *user)
     return ssfr_radial_value(l->radial, hypot(l->b, s));
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* By GSL between the places where a piece of the kernel begins, and others that close in on the middle: there the slope
  * turns within a length of b. */
 static double by_gsl(gsl_integration_workspace *work, const line *l, double s)
@@ -142,7 +136,7 @@ static double by_gsl(gsl_integration_workspace *work, const line *l, double s)
     }
     for (double at = l->b; at < s && n < 63; at *= 4) breaks[n++] = at;
     breaks[n++] = s;
-    qsort(breaks, n, sizeof *breaks, by_value);
+    qsort(breaks, n, sizeof *breaks, ssfr_by_value);
     gsl_function f = {along, (void *)l};
     gsl_integration_qagp(&f, breaks, n, 1e-15, 1e-14, work->limit, work, &value, &err);
     return value;

@@ -507,7 +507,8 @@ static void memory_that_runs_out_is_told_and_leaves_all_in_order(void **state)
             ssfr_integration_destroy(&m.work);
             assert_int_equal(ssfr_integration_create(&m.work), SSFR_OK);
             test_clear_log();
-            n_made = 0, fails_at = failed;
+            n_made = 0;
+            fails_at = failed;
             result = ssfr_radiance_collect(&m.extinction, &m.line, m.work, ids[i], &usual, 0, 9, &out);
             fails_at = -1;
             if (result == SSFR_OK) break;

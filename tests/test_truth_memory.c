@@ -1,59 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_truth_memory.c: casting truth runs out of memory at every allocation, one after the other. The linker puts the
- * functions below in front of malloc and its kin (see the Makefile). */
+/* test_truth_memory.c: casting truth runs out of memory at every allocation, one after the other. */
+#include "tests/counted_memory.h"
 #include "tests/truths.h"
 
 #include "experiments/truth/estimate.h"
 #include "experiments/truth/truth_file.h"
 
 #include <omp.h>
-#include <stdatomic.h>
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void __real_free(void *memory);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-void __wrap_free(void *memory);
-
-static atomic_long n_made, n_live; /* by what is linked in here: not by cmocka, GSL or the C library */
-static long fails_at = -1;         /* the allocation that fails, counted from now on; -1: none */
-
-static bool runs_out(void)
-{
-    return atomic_fetch_add(&n_made, 1) == fails_at;
-}
-
-static void *count(void *memory)
-{
-    if (memory) atomic_fetch_add(&n_live, 1);
-    return memory;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return runs_out() ? NULL : count(__real_malloc(size));
-}
-
-void *__wrap_calloc(size_t n, size_t size)
-{
-    return runs_out() ? NULL : count(__real_calloc(n, size));
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-    if (runs_out()) return NULL;
-    void *moved = __real_realloc(memory, size);
-    return memory ? moved : count(moved);
-}
-
-void __wrap_free(void *memory)
-{
-    if (memory) atomic_fetch_sub(&n_live, 1);
-    __real_free(memory);
-}
 
 /* Balls with foam before a wall: every part has something to show. */
 static ssfr_stage *some_stage(void)

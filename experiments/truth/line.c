@@ -366,12 +366,6 @@ double ssfr_line_chords(const ssfr_line *line, double a, double b, double *err)
 
 /* ---- breaks ------------------------------------------------------------------------------------------------------ */
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static ssfr_result reserve_breaks(ssfr_line *line, size_t n)
 {
     ssfr_result result = SSFR_OK;
@@ -409,7 +403,7 @@ ssfr_result ssfr_line_breaks(ssfr_line *line, double a, double b, size_t *n, con
     all[found++] = a;
     for (size_t i = 0; i < line->n; i++) found = add_breaks(line, line->kernels + i, a, b, all, found);
     all[found++] = b;
-    gsl_heapsort(all, found, sizeof *all, by_value);
+    gsl_heapsort(all, found, sizeof *all, ssfr_by_value);
     for (size_t i = 1; i < found; i++)
         if (all[i] > all[kept - 1]) all[kept++] = all[i];
     *n = kept;

@@ -87,6 +87,13 @@ static inline uint64_t ssfr_mix_bits(uint64_t v)
     return v ^ v >> 31;
 }
 
+/* Of two doubles, rising: for qsort. */
+static inline int ssfr_by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 /* Normalises v in place and returns its length; a zero vector is left as it is. */
 static inline double ssfr_normalize(double v[3])
 {

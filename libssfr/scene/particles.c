@@ -265,12 +265,6 @@ static double nearest(const ssfr_particles *set, size_t i)
     return sqrt(best);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 double ssfr_particles_spacing(const ssfr_particles *particles)
 {
     enum { MAX_SAMPLES = 512 };
@@ -278,6 +272,6 @@ double ssfr_particles_spacing(const ssfr_particles *particles)
     const size_t n = particles->n, m = n < MAX_SAMPLES ? n : MAX_SAMPLES;
     if (n < 2) return 0;
     for (size_t s = 0; s < m; s++) distances[s] = nearest(particles, s * n / m);
-    qsort(distances, m, sizeof *distances, by_value);
+    qsort(distances, m, sizeof *distances, ssfr_by_value);
     return 0.25 * (distances[(m - 1) / 2] + distances[m / 2]);
 }

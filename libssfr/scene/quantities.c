@@ -76,12 +76,6 @@ end:
 
 enum { MAX_SAMPLES = 512 };
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* kg/m^3, were the particles of this radius. */
 static double median_density(const ssfr_neighbours *set, double radius)
 {
@@ -89,7 +83,7 @@ static double median_density(const ssfr_neighbours *set, double radius)
     const size_t m = set->n < MAX_SAMPLES ? set->n : MAX_SAMPLES;
     uint32_t unused;
     for (size_t s = 0; s < m; s++) densities[s] = measure(set, s * set->n / m, SSFR_SUPPORT * radius, &unused);
-    qsort(densities, m, sizeof *densities, by_value);
+    qsort(densities, m, sizeof *densities, ssfr_by_value);
     return densities[m / 2];
 }
 
