@@ -307,8 +307,7 @@ static ssfr_result begin_table(bench *b)
 {
     ssfr_result result = SSFR_OK;
     bool resumed;
-    if (b->words.resume && !b->words.output)
-        return ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
+    SSFR_TRY(ssfr_output_check_resume(b->words.resume, b->words.output));
     if (b->words.output) SSFR_TRY(ssfr_output_check_file(b->words.output));
     SSFR_TRY(ssfr_ledger_begin(&b->table, b->words.output, N_COLUMNS, columns, N_KEYS, b->words.resume, &resumed));
     if (resumed) SSFR_TRY(ssfr_meta_check(b->words.output, identity_of(b)));

@@ -283,10 +283,7 @@ int ssfr_bench_solver(int argc, char **argv)
                 "is from rest density, constant volume, stillness and free fall."};
     SSFR_TRY(ssfr_options_parse(&c.line, &usage, argc - 1, argv + 1));
     if (c.line.help) goto end;
-    if (c.words.resume && !c.words.output) {
-        result = ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
-        goto end;
-    }
+    SSFR_TRY(ssfr_output_check_resume(c.words.resume, c.words.output));
     SSFR_TRY(run(&c));
 end:
     for (int i = 0; i < SSFR_N_BENCH_TABLES; i++) {

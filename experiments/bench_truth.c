@@ -406,10 +406,7 @@ int ssfr_bench_truth(int argc, char **argv)
                 "particles and what a ray crosses of them; with all threads and with one."};
     SSFR_TRY(ssfr_options_parse(&c.line, &usage, argc - 1, argv + 1));
     if (c.line.help) goto end;
-    if (c.words.resume && !c.words.output) {
-        result = ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
-        goto end;
-    }
+    SSFR_TRY(ssfr_output_check_resume(c.words.resume, c.words.output));
     SSFR_TRY(run(&c));
 end:
     ssfr_ledger_finish(&c.bench.table);

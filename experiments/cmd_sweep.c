@@ -2,6 +2,7 @@
 /* cmd_sweep.c: `ssfr sweep`: a table of parameters into a CSV. */
 #include "experiments/command.h"
 #include "experiments/options.h"
+#include "experiments/output.h"
 #include "experiments/sweep.h"
 
 typedef struct sweep_words {
@@ -81,9 +82,7 @@ static ssfr_result check(const sweep_words *w, const ssfr_list *arguments)
 {
     if (arguments->n == 0 && w->vary.n == 0)
         return ssfr_fail(SSFR_ERR_VALUE, "nothing to run: give a SPEC.yaml or --vary AXIS");
-    if (w->resume && !w->output)
-        return ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
-    return SSFR_OK;
+    return ssfr_output_check_resume(w->resume, w->output);
 }
 
 int ssfr_cmd_sweep(int argc, char **argv)

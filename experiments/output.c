@@ -78,3 +78,10 @@ ssfr_result ssfr_output_make_folder(const char *path)
     if (is_folder(path) || mkdir(path, 0777) == 0) return SSFR_OK;
     return ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
 }
+
+ssfr_result ssfr_output_check_resume(bool resume, const char *output)
+{
+    if (resume && !output)
+        return ssfr_fail(SSFR_ERR_VALUE, "--resume needs the table to go on with: -o FILE.csv");
+    return SSFR_OK;
+}

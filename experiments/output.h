@@ -17,6 +17,9 @@ SSFR_MUST ssfr_result ssfr_output_check_file(const char *path);
 /* The same of an .exr or .png (or only .exr). */
 SSFR_MUST ssfr_result ssfr_output_check_image(const char *path, bool png_too);
 
+/* Whoever goes on with a table says with which: output NULL is none. */
+SSFR_MUST ssfr_result ssfr_output_check_resume(bool resume, const char *output);
+
 /* A folder that can be written to, or that can be made. */
 SSFR_MUST ssfr_result ssfr_output_check_folder(const char *path);
 SSFR_MUST ssfr_result ssfr_output_make_folder(const char *path);
