@@ -10,8 +10,8 @@
 /* The row of a parameter of truth, "truth.level" or "medium.ior"; NULL when there is none. */
 const ssfr_param *ssfr_rig_truth_row(const char *key);
 
-/* The defaults, but that colour and foam are not cast, which cost more than all else, and that solids hide what is behind
- * them, as they do from splats. Then what the scene sets (NULL: nothing), then the settings of every run. */
+/* The defaults, but that colour and foam are not cast, which cost more than all else. Then what the scene
+ * (NULL: nothing) and the spec set. */
 SSFR_MUST ssfr_result ssfr_rig_truth_params(ssfr_truth_params *out, const ssfr_sweep_spec *spec,
                                             const ssfr_description *scene);
 /* Sets what the axes say of truth in a run. */

@@ -51,8 +51,8 @@ void ssfr_plain_end(ssfr_plain *plain);
 /* True when text is a finite number with nothing after it; the value goes to *out, which else stays. */
 bool ssfr_parse_number(const char *text, double *out);
 
-/* Appends a name to the list "a, b" in list[size], for an error line that tells what there is; it is cut where it is full.
- * *used is its length, 0 at first. */
+/* Appends a name to the list "a, b" in list[size], for an error line that tells what there is; it is cut where it is
+ * full. *used is its length, 0 at first. */
 void ssfr_list_name(char *list, size_t size, size_t *used, const char *name);
 
 /* The whole file with a closing zero byte; *size is without it. Refuses files over max_size bytes. */
