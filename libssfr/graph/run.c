@@ -207,11 +207,14 @@ end:
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
-/* Whether a node can draw right into the host's texture: not when it reads it, nor when it is of another size. */
+/* Whether a node can draw right into the host's texture: when what it writes is the result, be it that the nodes that
+ * would draw over it are left out; but not when it reads it, nor when it is of another size. */
 static bool is_export(const ssfr_graph *graph, const node *n, int index, int w, int h)
 {
     const ssfr_texture *to = &graph->exported;
-    bool ok = to->name && index == graph->last[graph->pipeline->result] && to->w == w && to->h == h;
+    const ssfr_slot_id slot = graph->pipeline->result;
+    const resource *r = &graph->resources[index], *shown = &graph->resources[graph->last[slot]];
+    bool ok = to->name && r->slot == slot && shown->image == &r->own && to->w == w && to->h == h;
     for (int k = 0; k < n->n_in; k++) ok &= graph->resources[n->in[k]].image->texture.name != to->name;
     return ok;
 }

@@ -41,7 +41,7 @@ void ssfr_environment_sky(const ssfr_frame *frame, const double dir[3], double c
         for (int k = 0; k < 3; k++) color[k] = ssfr_mix(b->horizon[k], b->zenith[k], t);
 }
 
-static double lambert(const ssfr_block *b, const double normal[3])
+double ssfr_environment_lambert(const ssfr_block *b, const double normal[3])
 {
     const double ambient = b->fluid[3];
     return ambient + (1 - ambient) * b->light[3] * fmax(ssfr_dot(normal, b->light), 0);
@@ -55,7 +55,7 @@ static double floor_shade(const ssfr_block *b, double x, double z, double footpr
     const bool odd = fmod(fabs(sum), 2) >= 0.5;
     const double contrast = ssfr_clamp(1.5 - 4 * footprint / tile, 0, 1);
     const double mean = 0.5 * (b->floor[1] + b->floor[2]), side = 0.5 * (b->floor[1] - b->floor[2]);
-    return (mean + (odd ? -side : side) * contrast) * lambert(b, upwards);
+    return (mean + (odd ? -side : side) * contrast) * ssfr_environment_lambert(b, upwards);
 }
 
 static const double HAZES = 16;
@@ -85,7 +85,7 @@ double ssfr_environment_trace(const ssfr_frame *frame, const ssfr_solid_set soli
         const double hit = ssfr_solid_enter(&frame->solids[i], origin, dir, normal);
         if (!(hit > 0 && hit < t)) continue;
         t = hit;
-        for (int k = 0; k < 3; k++) color[k] = b->solid[i][4][k] * lambert(b, normal);
+        for (int k = 0; k < 3; k++) color[k] = b->solid[i][4][k] * ssfr_environment_lambert(b, normal);
     }
     return t;
 }

@@ -13,6 +13,9 @@ void ssfr_environment_sky(const ssfr_frame *frame, const double dir[3], double c
 double ssfr_environment_trace(const ssfr_frame *frame, const ssfr_solid_set solids, const double origin[3],
                               const double dir[3], double color[3]);
 
+/* Light that a matte face of a unit world normal sends back, of a reflectance of 1. */
+double ssfr_environment_lambert(const ssfr_block *b, const double normal[3]);
+
 /* The lines before shaders/environment.glsl for a frame: which shapes, and whether a map. */
 void ssfr_environment_defines(const ssfr_frame *frame, bool solids, bool meshes, char text[SSFR_DEFINES]);
 
