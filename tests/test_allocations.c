@@ -32,6 +32,7 @@ static void a_frame_allocates_nothing_after_the_first(void **state)
     static const char *const variants[][4] = {
         {NULL},
         {"downsample.factor=4", "noise_normals.height=0.3", NULL},
+        {"noise_foam.strength=1", NULL},
         {"sphere_depth.splat=exact", "thickness.splat=quad", NULL},
         {"curvature_flow.iterations=3", "composite.refraction=snell", NULL},
     };
@@ -61,11 +62,12 @@ static void parameters_of_the_same_sizes_allocate_nothing(void **state)
 {
     ssfr_gl *gl = test_backend(state);
     static const char *const keys[] = {"medium.ior=1.5", "curvature_flow.iterations=7", "composite.fresnel=exact",
-                                       "sphere_depth.radius_scale=2", "noise_normals.height=0", "light.azimuth_deg=10"};
+                                       "sphere_depth.radius_scale=2", "noise_normals.height=0", "light.azimuth_deg=10",
+                                       "noise_foam.strength=0"};
     test_scene s;
     test_scene_create_usual(&s, 96, 64);
     ssfr_graph *graph = test_graph(ssfr_pipeline_at(0), gl);
-    test_graph_set(graph, (const char *[]){"noise_normals.height=0.3", NULL});
+    test_graph_set(graph, (const char *[]){"noise_normals.height=0.3", "noise_foam.strength=1", NULL});
     run_and_count(graph, &s.scene, NULL);
     for (size_t i = 0; i < SSFR_COUNT(keys); i++) {
         test_graph_set(graph, (const char *[]){keys[i], NULL});

@@ -318,7 +318,8 @@ static void wanting_all_runs_all_that_is_needed(void **state)
     ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
     test_scene s;
     test_scene_create_usual(&s, 64, 48);
-    test_graph_set(graph, (const char *[]){"downsample.factor=2", "noise_normals.height=0.3", NULL});
+    test_graph_set(graph, (const char *[]){"downsample.factor=2", "noise_normals.height=0.3",
+                                             "noise_foam.strength=1", NULL});
     ssfr_graph_want_all(graph, true);
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
     const ssfr_report *report = ssfr_graph_report(graph);
@@ -332,7 +333,7 @@ static void wanting_all_runs_all_that_is_needed(void **state)
         ssfr_field_destroy(&field);
     }
     ssfr_graph_want_all(graph, false);
-    test_graph_set(graph, (const char *[]){"noise_normals.height=0", NULL});
+    test_graph_set(graph, (const char *[]){"noise_normals.height=0", "noise_foam.strength=0", NULL});
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
     assert_int_equal(test_graph_node(graph, "surface_noise")->status, SSFR_UNWANTED);
     ssfr_graph_destroy(&graph);
@@ -768,6 +769,7 @@ static void both_backends_draw_the_same_picture(void **state)
     static const char *const variants[][4] = {
         {NULL},
         {"noise_normals.height=0.3", "downsample.factor=1", NULL},
+        {"noise_foam.strength=1", NULL},
         {"sphere_depth.splat=exact", "thickness.splat=exact", "composite.refraction=snell", NULL},
         {"composite.reflection=scene", "composite.fresnel=exact", "downsample.factor=4", NULL},
     };
@@ -817,6 +819,7 @@ static void the_report_says_what_ran_and_why_not(void **state)
     assert_node(graph, "surface_noise", SSFR_UNWANTED, "nobody reads what it writes");
     assert_node(graph, "noise_normals", SSFR_NEEDLESS, "waves of height 0, or no fluid in view");
     assert_node(graph, "composite", SSFR_RAN, "");
+    assert_node(graph, "noise_foam", SSFR_NEEDLESS, "foam of strength 0, or no fluid in view");
     ssfr_field_destroy(&thick);
     ssfr_graph_destroy(&graph);
     test_scene_destroy(&s);
@@ -829,9 +832,10 @@ static void the_report_counts_and_times(void **state)
     test_scene s;
     test_scene_create_usual(&s, 96, 64);
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
-    assert_int_equal(report->n_nodes, 10);
+    assert_int_equal(report->n_nodes, 11);
     assert_string_equal(report->nodes[0].node, "background");
     assert_string_equal(report->nodes[9].pass, "composite");
+    assert_string_equal(report->nodes[10].pass, "noise_foam");
     assert_int_equal(report->n_particles, 432);
     assert_true(report->covered > 0.3 && report->covered <= 1);
     assert_true(report->allocations > 0 && report->image_bytes > 96 * 64 * 4 * 8);

@@ -216,6 +216,31 @@ static void the_picture_is_drawn_into_the_hosts_texture(void **state)
     tear_down(&r);
 }
 
+/* Foam makes a second version of the picture: the last one that is drawn is the host's, and only that one. */
+static void foam_switched_on_and_off_ends_in_the_hosts_texture(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"noise_foam.strength=0", "noise_foam.strength=1", "noise_foam.strength=0",
+                                           "composite.off=1", "noise_foam.strength=1"};
+    rig r;
+    set_up(&r);
+    const GLuint target = make_texture(GL_RGBA32F, W, H);
+    ssfr_graph *own = test_graph(ssfr_pipeline_find("vanderlaan2009"), r.gl);
+    assert_int_equal(ssfr_graph_export_texture(r.graph, target), SSFR_OK);
+    for (size_t i = 0; i < SSFR_COUNT(settings); i++) {
+        test_graph_set(own, (const char *[]){settings[i], NULL});
+        test_graph_set(r.graph, (const char *[]){settings[i], NULL});
+        ssfr_field *expected = test_graph_picture(own, &r.s.scene, "color", false);
+        ssfr_field *read = test_graph_picture(r.graph, &r.s.scene, "color", false), *seen = look_at(target, W, H, 3);
+        assert_int_equal(test_n_different(seen, expected), 0);
+        assert_int_equal(test_n_different(read, expected), 0);
+        ssfr_field *const all[] = {expected, read, seen};
+        for (size_t k = 0; k < SSFR_COUNT(all); k++) ssfr_field_destroy(&(ssfr_field *){all[k]});
+    }
+    ssfr_graph_destroy(&own);
+    tear_down(&r);
+}
+
 static void the_hosts_texture_is_filled_when_no_pass_draws_into_it(void **state)
 {
     (void)state;
@@ -593,6 +618,7 @@ int main(void)
         cmocka_unit_test(every_call_leaves_the_hosts_state_as_found),
         cmocka_unit_test(the_picture_is_that_of_a_context_of_our_own),
         cmocka_unit_test(the_picture_is_drawn_into_the_hosts_texture),
+        cmocka_unit_test(foam_switched_on_and_off_ends_in_the_hosts_texture),
         cmocka_unit_test(the_hosts_texture_is_filled_when_no_pass_draws_into_it),
         cmocka_unit_test(targets_that_do_not_fit_are_refused),
         cmocka_unit_test(a_texture_replaced_is_not_touched_again),

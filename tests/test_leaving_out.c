@@ -102,13 +102,14 @@ static const char *const variants[][5] = {
     {"curvature_flow.reference=nearest", "curvature_flow.off_axis=1", "curvature_flow.iterations=7", NULL},
     {"noise_normals.height=0", NULL},
     {"noise_normals.height=0.3", NULL},
-    {"noise_normals.height=0.3", "surface_noise.radius_scale=3", "downsample.factor=1", NULL},
+    {"noise_normals.height=0.3", "surface_noise.radius_scale=3", "downsample.factor=1", "noise_foam.strength=1", NULL},
     {"noise_normals.height=0.3", "surface_noise.off=1", NULL},
+    {"noise_foam.strength=1", NULL},
     {"sphere_depth.splat=quad", "thickness.splat=quad", "sphere_depth.size=distance", NULL},
     {"sphere_depth.splat=exact", "thickness.splat=exact", "sphere_depth.radius_scale=1.7", NULL},
     {"thickness.radius_scale=3", "thickness.kernel=exponential", "thickness.occlusion=clipped", NULL},
     {"composite.refraction=snell", "composite.reflection=scene", "composite.reject=0", NULL},
-    {"downsample.off=1", NULL},
+    {"downsample.off=1", "noise_foam.strength=0.5", "noise_foam.blend=over", NULL},
     {"curvature_flow.off=1", NULL},
     {"thickness.off=1", "noise_normals.off=1", NULL},
 };
@@ -196,8 +197,8 @@ static void every_image_is_the_same_to_the_bit(void **state)
         scenes[k].create(&s);
         for (int p = 0; ssfr_pipeline_at(p); p++) {
             ssfr_graph *lean = test_graph(ssfr_pipeline_at(p), gl), *full = test_graph(ssfr_pipeline_at(p), gl);
-            set_what_there_is(lean, (const char *[]){"noise_normals.height=0.3", NULL});
-            set_what_there_is(full, (const char *[]){"noise_normals.height=0.3", NULL});
+            set_what_there_is(lean, (const char *[]){"noise_normals.height=0.3", "noise_foam.strength=1", NULL});
+            set_what_there_is(full, (const char *[]){"noise_normals.height=0.3", "noise_foam.strength=1", NULL});
             ssfr_graph_want_all(lean, true);
             assert_int_equal(ssfr_graph_run(lean, &s.scene, NULL), SSFR_OK);
             assert_int_equal(ssfr_graph_run(full, &s.scene, &(ssfr_run_options){.keep_all = true}), SSFR_OK);
@@ -232,25 +233,30 @@ static const char *statuses(const ssfr_graph *graph)
 static void what_is_left_out_is_what_is_not_needed(void **state)
 {
     /* background sphere_depth downsample curvature_flow upsample normals thickness surface_noise noise_normals
-     * composite */
+     * composite noise_foam */
     static const struct {
         void (*scene)(test_scene *);
         const char *settings[4], *expected;
     } cases[] = {
-        {block, {NULL}, "RRRRRRRUNR"},
-        {one_sphere, {NULL}, "RRRRRRRUNR"},
-        {hidden_by_a_solid, {NULL}, "RRRRRRRUNR"},
-        {block, {"downsample.factor=1", NULL}, "RRNRNRRUNR"},
-        {block, {"downsample.factor=1", "curvature_flow.iterations=0", NULL}, "RRNNNRRUNR"},
-        {block, {"curvature_flow.iterations=0", NULL}, "RRRNRRRUNR"},
-        {block, {"noise_normals.height=0.3", NULL}, "RRRRRRRRRR"},
-        {block, {"noise_normals.height=0.3", "surface_noise.off=1", NULL}, "RRRRRRRORR"},
-        {block, {"thickness.off=1", NULL}, "RRRRRROUNR"},
-        {block, {"composite.off=1", NULL}, "RUUUUUUUUO"},
-        {block, {"noise_normals.off=1", "noise_normals.height=0.3", NULL}, "RRRRRRRUOR"},
-        {empty, {NULL}, "RUUUUUUUUN"},
-        {no_particles, {NULL}, "RUUUUUUUUN"},
-        {all_behind_the_eye, {"noise_normals.height=0.3", NULL}, "RUUUUUUUUN"},
+        {block, {NULL}, "RRRRRRRUNRN"},
+        {one_sphere, {NULL}, "RRRRRRRUNRN"},
+        {hidden_by_a_solid, {NULL}, "RRRRRRRUNRN"},
+        {block, {"downsample.factor=1", NULL}, "RRNRNRRUNRN"},
+        {block, {"downsample.factor=1", "curvature_flow.iterations=0", NULL}, "RRNNNRRUNRN"},
+        {block, {"curvature_flow.iterations=0", NULL}, "RRRNRRRUNRN"},
+        {block, {"noise_normals.height=0.3", NULL}, "RRRRRRRRRRN"},
+        {block, {"noise_normals.height=0.3", "surface_noise.off=1", NULL}, "RRRRRRRORRN"},
+        {block, {"thickness.off=1", NULL}, "RRRRRROUNRN"},
+        {block, {"composite.off=1", NULL}, "RUUUUUUUUON"},
+        {block, {"noise_normals.off=1", "noise_normals.height=0.3", NULL}, "RRRRRRRUORN"},
+        {block, {"noise_foam.strength=1", NULL}, "RRRRRRRRNRR"},
+        {block, {"noise_foam.strength=1", "noise_foam.off=1", NULL}, "RRRRRRRUNRO"},
+        {block, {"noise_foam.strength=1", "surface_noise.off=1", NULL}, "RRRRRRRONRR"},
+        {block, {"noise_foam.strength=1", "composite.off=1", NULL}, "RRRRRRURNOR"},
+        {empty, {"noise_foam.strength=1", NULL}, "RUUUUUUUUNN"},
+        {empty, {NULL}, "RUUUUUUUUNN"},
+        {no_particles, {NULL}, "RUUUUUUUUNN"},
+        {all_behind_the_eye, {"noise_normals.height=0.3", NULL}, "RUUUUUUUUNN"},
     };
     ssfr_gl *gl = test_backend(state);
     for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
@@ -275,10 +281,10 @@ static void who_wants_depth_alone_pays_for_no_compositing(void **state)
     block(&s);
     ssfr_graph *graph = test_graph(&depth_alone, gl);
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
-    assert_string_equal(statuses(graph), "RRRRRUUUUU");
+    assert_string_equal(statuses(graph), "RRRRRUUUUUU");
     assert_int_equal(ssfr_graph_want(graph, "normal"), SSFR_OK);
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
-    assert_string_equal(statuses(graph), "RRRRRRUUUU");
+    assert_string_equal(statuses(graph), "RRRRRRUUUUU");
     ssfr_graph_destroy(&graph);
     test_scene_destroy(&s);
 }
@@ -292,7 +298,7 @@ static void keeping_all_runs_all_on_every_tile(void **state)
     assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
     assert_true(report->covered > 0.05 && report->covered < 0.5);
     assert_int_equal(ssfr_graph_run(graph, &s.scene, &(ssfr_run_options){.keep_all = true}), SSFR_OK);
-    assert_string_equal(statuses(graph), "RRRRRRRRRR");
+    assert_string_equal(statuses(graph), "RRRRRRRRRRR");
     assert_true(report->covered == 1);
     assert_int_equal(report->n_particles, 432);
     ssfr_graph_destroy(&graph);
