@@ -85,8 +85,8 @@ static ssfr_lit follow(rig *r, const ssfr_ray *ray, bool inside)
 {
     ssfr_lit lit;
     r->n_traced = 0;
-    assert_int_equal(ssfr_light_follow(ssfr_fluid_light_refractor(r->light), &r->around, &r->params, ray, inside, &lit),
-                     SSFR_OK);
+    const ssfr_refractor *refractor = ssfr_fluid_light_refractor(r->light);
+    assert_int_equal(ssfr_light_follow(refractor, &r->around, &r->params, ray, 0, inside, &lit), SSFR_OK);
     assert_close(lit.escaped + lit.absorbed + lit.ended, 1, 1e-10, 0);
     assert_true(lit.err >= 0 && isfinite(lit.err));
     for (int k = 0; k < 3; k++) assert_true(isfinite(lit.colour[k]));

@@ -192,7 +192,7 @@ static ssfr_lit follow(rig *r, const ssfr_ray *ray, bool inside)
 {
     ssfr_lit lit;
     r->w.n_traced = 0;
-    assert_int_equal(ssfr_light_follow(&r->body, &r->around, &r->params, ray, inside, &lit), SSFR_OK);
+    assert_int_equal(ssfr_light_follow(&r->body, &r->around, &r->params, ray, 0, inside, &lit), SSFR_OK);
     assert_close(lit.escaped + lit.absorbed + lit.ended, 1, 1e-10, 0);
     assert_true(lit.escaped >= 0 && lit.absorbed >= 0 && lit.ended >= 0);
     assert_true(lit.err >= 0 && isfinite(lit.err));
@@ -729,7 +729,7 @@ static void an_error_that_is_not_known_is_no_nan_where_nothing_is_seen(void **st
     r.body.between = unknown;
     for (int k = 0; k < 3; k++) r.w.shine[k] = 0.9, r.body.absorption[k] = 1e300;
     const ssfr_ray ray = {{0, 0, 0}, {0, -1, 0}};
-    assert_int_equal(ssfr_light_follow(&r.body, &r.around, &r.params, &ray, true, &lit), SSFR_OK);
+    assert_int_equal(ssfr_light_follow(&r.body, &r.around, &r.params, &ray, 0, true, &lit), SSFR_OK);
     assert_true(isinf(lit.err));
 }
 
@@ -858,7 +858,7 @@ static void what_is_wrong_is_said(void **state)
     (void)state;
     begin_ball(&r, 1.333);
     const ssfr_ray ray = ray_towards((const double[3]){4, 5, 6}, (const double[3]){1, 0.2, 1.2});
-#define FOLLOW(ray) ssfr_light_follow(&r.body, &r.around, &r.params, (ray), false, &lit)
+#define FOLLOW(ray) ssfr_light_follow(&r.body, &r.around, &r.params, (ray), 0, false, &lit)
     static const double iors[] = {0, -1.333, NAN, INFINITY, 1001};
     for (size_t i = 0; i < SSFR_COUNT(iors); i++) {
         r.body.ior = iors[i];

@@ -345,6 +345,30 @@ static void fluid_as_clear_as_air_is_not_seen(void **state)
     ssfr_stage_destroy(&stage), ssfr_stage_destroy(&empty);
 }
 
+/* The near plane cuts the fluid alone: where it lies behind floor and wall nothing but they, and the sky, are seen. */
+static void floor_and_solids_are_seen_before_the_near_plane(void **state)
+{
+    (void)state;
+    static const double nowhere[3] = {0, 0, 0}, target[3] = {0.1, 0.2, 0.05};
+    static const char *const both[][7] = {{"truth.kind", "spheres", "truth.parts", "colour", NULL},
+                                          {"truth.kind", "spheres", "truth.parts", "colour", "truth.solids", "0", NULL}};
+    for (size_t k = 0; k < SSFR_COUNT(both); k++) {
+        const ssfr_truth_params params = test_truth_params(both[k]);
+        ssfr_stage *stage = one_ball(ball_eye);
+        ssfr_stage *empty = test_truth_stage(0, nowhere, ball_radius, ball_eye, target, W, H);
+        add_wall(stage), add_wall(empty);
+        stage->scene.floor = empty->scene.floor = -0.3;
+        stage->scene.camera.near = 100; /* m */
+        ssfr_truth *far = test_truth_cast(stage, &params), *without = test_truth_cast(empty, &params);
+        for (int i = 0; i < 3 * W * H; i++) {
+            const double seen = without->channels[SSFR_TRUTH_colour]->data[i];
+            assert_close(far->channels[SSFR_TRUTH_colour]->data[i], seen, 1e-9, 0);
+        }
+        ssfr_truth_destroy(&far), ssfr_truth_destroy(&without);
+        ssfr_stage_destroy(&stage), ssfr_stage_destroy(&empty);
+    }
+}
+
 static void light_is_finite_from_inside_too(void **state)
 {
     (void)state;
@@ -973,6 +997,7 @@ int main(void)
         cmocka_unit_test(from_below_the_floor_hides_what_is_above),
         cmocka_unit_test(foam_is_seen_before_solids_and_not_behind),
         cmocka_unit_test(fluid_as_clear_as_air_is_not_seen),
+        cmocka_unit_test(floor_and_solids_are_seen_before_the_near_plane),
         cmocka_unit_test(light_is_finite_from_inside_too),
         cmocka_unit_test(light_fades_by_the_thickness),
         cmocka_unit_test(paths_that_end_are_in_the_error),

@@ -86,6 +86,7 @@ static double face(const double dir[3], const double normal[3], double out[3])
 
 typedef struct path {
     ssfr_ray ray;
+    double begins;    /* m: neither the body nor what floats is met before */
     double weight[3]; /* share of the light that comes along it, by channel */
     bool inside;
     int n_crossings;  /* behind it */
@@ -137,8 +138,8 @@ static ssfr_result travel(walk *w, path *p, double to)
 {
     enum { PIECES = 64 };
     ssfr_result result = SSFR_OK;
-    const double begins = p->weight[w->clearest];
-    double from = 0, step = to;
+    const double weight_before = p->weight[w->clearest];
+    double from = p->begins, step = to;
     while (from < to) {
         piece way;
         const double weight = p->weight[w->clearest], end = to - from <= step ? to : from + step;
@@ -154,7 +155,7 @@ static ssfr_result travel(walk *w, path *p, double to)
         if (weight > 0) w->lit->err += weight * (way.err + way.unsure); /* of all that is behind nothing is seen */
         from = end, step *= 2;
     }
-    w->lit->absorbed += begins - p->weight[w->clearest];
+    w->lit->absorbed += weight_before - p->weight[w->clearest];
 end:
     return result;
 }
@@ -197,6 +198,7 @@ static void cross(walk *w, const path *p, const ssfr_crossing *crossing)
     const double cosine = face(p->ray.dir, crossing->normal, normal);
     path reflected = *p;
     ssfr_ray_at(&p->ray, crossing->t, reflected.ray.origin);
+    reflected.begins = 0;
     reflected.n_crossings++;
     path refracted = reflected;
     refracted.inside = !p->inside;
@@ -213,14 +215,28 @@ static void cross(walk *w, const path *p, const ssfr_crossing *crossing)
     if (share < 1) go_on(w, &refracted);
 }
 
+/* The first crossing before `far`. */
+static ssfr_result meet(const walk *w, const path *p, double far, ssfr_crossing *crossing, bool *found)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_ray ray = p->ray;
+    *found = false;
+    if (far <= p->begins) return SSFR_OK;
+    ssfr_ray_at(&p->ray, p->begins, ray.origin);
+    SSFR_TRY(w->body->first(w->body->user, &ray, far - p->begins, p->inside, crossing, found));
+    crossing->t += p->begins;
+end:
+    return result;
+}
+
 static ssfr_result step(walk *w, path *p)
 {
     ssfr_result result = SSFR_OK;
     double behind[3];
-    ssfr_crossing crossing;
-    bool found = false;
+    ssfr_crossing crossing = {.t = 0};
+    bool found;
     const double far = w->around->trace(w->around->user, &p->ray, behind);
-    SSFR_TRY(w->body->first(w->body->user, &p->ray, far, p->inside, &crossing, &found));
+    SSFR_TRY(meet(w, p, far, &crossing, &found));
     /* Inside without a way out, as a surface that is only touched may bring about: all that is known is the bound. */
     const bool lost = !found && p->inside && isinf(far);
     if (!lost) SSFR_TRY(travel(w, p, found ? crossing.t : far));
@@ -250,12 +266,13 @@ static ssfr_result check(const ssfr_refractor *body, const ssfr_light_params *pa
 }
 
 ssfr_result ssfr_light_follow(const ssfr_refractor *refractor, const ssfr_surroundings *around,
-                              const ssfr_light_params *params, const ssfr_ray *ray, bool inside, ssfr_lit *out)
+                              const ssfr_light_params *params, const ssfr_ray *ray, double begins, bool inside,
+                              ssfr_lit *out)
 {
     ssfr_result result = SSFR_OK;
     const double *a = refractor->absorption;
     walk w = {.body = refractor, .around = around, .params = params, .lit = out};
-    path now = {.ray = *ray, .weight = {1, 1, 1}, .inside = inside};
+    path now = {.ray = *ray, .begins = begins, .weight = {1, 1, 1}, .inside = inside};
     *out = (ssfr_lit){0};
     SSFR_TRY(check(refractor, params, ray));
     w.range = fmax(around->brightest, refractor->brightest);

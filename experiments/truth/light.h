@@ -64,11 +64,11 @@ typedef struct ssfr_lit {
     int n_paths, n_crossings;
 } ssfr_lit;
 
-/* Follows the ray, which begins inside the body or outside. No recursion: what waits stands on a stack as high as the
- * params' depth. */
+/* Follows the ray. The body and what floats begin at t = begins (m, [0, inf)), inside the body or outside; floor and
+ * solids are met before, too. No recursion: what waits stands on a stack as high as the params' depth. */
 SSFR_MUST ssfr_result ssfr_light_follow(const ssfr_refractor *refractor, const ssfr_surroundings *around,
-                                        const ssfr_light_params *params, const ssfr_ray *ray, bool inside,
-                                        ssfr_lit *out);
+                                        const ssfr_light_params *params, const ssfr_ray *ray, double begins,
+                                        bool inside, ssfr_lit *out);
 
 /* ---- at one crossing --------------------------------------------------------------------------------------------- */
 

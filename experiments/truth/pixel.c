@@ -271,19 +271,19 @@ end:
 
 /* ---- light ------------------------------------------------------------------------------------------------------- */
 
-/* From the near plane on, be that inside the fluid or not. */
+/* Fluid begins at the near plane, be that inside of it or not. */
 static ssfr_result tell_colour(ssfr_truth_worker *w, const view *v, double *values, ssfr_truth_tally *tally)
 {
     ssfr_result result = SSFR_OK;
     const int *at = w->scene->tiles->at;
-    ssfr_ray ray = v->ray;
     const size_t touches = ssfr_fluid_light_touches(w->light);
     ssfr_lit lit;
     bool inside;
-    ssfr_ray_at(&v->ray, v->near, ray.origin);
-    SSFR_TRY(ssfr_crossings_inside(&w->crossings, &w->fluid, ray.origin, &inside));
-    SSFR_TRY(ssfr_light_follow(ssfr_fluid_light_refractor(w->light), w->scene->around, &w->scene->params->path, &ray,
-                               inside, &lit));
+    double near[3];
+    ssfr_ray_at(&v->ray, v->near, near);
+    SSFR_TRY(ssfr_crossings_inside(&w->crossings, &w->fluid, near, &inside));
+    SSFR_TRY(ssfr_light_follow(ssfr_fluid_light_refractor(w->light), w->scene->around, &w->scene->params->path,
+                               &v->ray, v->near, inside, &lit));
     tally->light_touches += ssfr_fluid_light_touches(w->light) - touches;
     memcpy(values + at[SSFR_TRUTH_colour], lit.colour, sizeof lit.colour);
     values[at[SSFR_TRUTH_colour_err]] = lit.err;

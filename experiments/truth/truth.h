@@ -11,7 +11,7 @@
 #include "graph/frame.h"
 
 /* Must be raised when any pixel's bits change: cached truth is of one version. */
-enum { SSFR_TRUTH_VERSION = 3 };
+enum { SSFR_TRUTH_VERSION = 4 };
 
 /* What a pixel gets: X(id, channels, EXR names, part, unit, help). All is met by the ray through the pixel's middle.
  * Depth, normal and thickness are as slots of pipelines have them: axes, signs and empty values are the same. */
