@@ -1,62 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 // curvature_flow.frag: one Euler step of z_t = -H (Bagar 2010, eqs 2.8 to 2.16). in: eye-space depth, m; out: the same.
-// The formula is derived in libssfr/passes/curvature_flow.c. CROSS_TERM: z_xy by central differences, else 0.
-// OFF_AXIS: the surface's own curvature instead of eq. 2.10's.
 #include "common.glsl"
-
-uniform sampler2D t_depth;
-uniform float u_dt;      // m^2
-uniform vec2 u_c;        // eye-space size of a pixel at unit depth
-uniform float u_falloff; // m
-uniform float u_limit;   // dt is at most this times |z|
-uniform float u_divisor; // full-resolution pixels a pixel
+#include "curvature_flow.glsl"
 
 layout(location = 0) out float o_smooth;
-
-float difference(ivec2 p, float z, inout bool cut)
-{
-    float d = fetch(t_depth, p).x - z;
-    cut = cut || !(abs(d) <= u_falloff);
-    return d;
-}
 
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    float z = fetch(t_depth, at).x, p = 0.0, q = 0.0, r = 0.0, s = 0.0, t = 0.0;
+    float z = fetch(t_depth, at).x;
     if (!is_surface(z)) discard;
-    bool cut_x = false, cut_y = false;
-    float left = difference(at + ivec2(-1, 0), z, cut_x), right = difference(at + ivec2(1, 0), z, cut_x);
-    float above = difference(at + ivec2(0, -1), z, cut_y), below = difference(at + ivec2(0, 1), z, cut_y);
-    if (!cut_x) {
-        p = (right - left) / (2.0 * u_c.x);
-        r = (left + right) / (u_c.x * u_c.x);
-    }
-    if (!cut_y) {
-        q = (below - above) / (2.0 * u_c.y);
-        s = (above + below) / (u_c.y * u_c.y);
-    }
-#ifdef CROSS_TERM
-    bool cut_xy = cut_x || cut_y;
-    float mm = difference(at + ivec2(-1, -1), z, cut_xy), pm = difference(at + ivec2(1, -1), z, cut_xy);
-    float mp = difference(at + ivec2(-1, 1), z, cut_xy), pp = difference(at + ivec2(1, 1), z, cut_xy);
-    if (!cut_xy) t = (pp - pm - mp + mm) / (4.0 * u_c.x * u_c.y);
-#endif
-#ifdef OFF_AXIS
-    vec2 uv = (gl_FragCoord.xy * u_divisor - 0.5 * frame.image.xy) * frame.image.zw;
-    float u = uv.x, v = uv.y, w = z + u * p + v * q, l2 = p * p + q * q + w * w, away = 1.0 + u * u + v * v;
-    float E = (p * u + z) * (p * u + z) + p * p * (v * v + 1.0);
-    float F = (p * u + z) * q * u + p * v * (q * v + z) + p * q;
-    float G = (q * v + z) * (q * v + z) + q * q * (u * u + 1.0);
-    float L = r * z - 2.0 * p * p, M = t * z - 2.0 * p * q, N = s * z - 2.0 * q * q;
-    float rate = -0.5 * sqrt(u_c.x * u_c.y) * abs(z) * (E * N - 2.0 * F * M + G * L) / (z * z * l2 * sqrt(l2));
-    float limit = u_limit * abs(z) / (away * sqrt(away));
-#else
-    float S = p * p + q * q + z * z;
-    float x = p * (p * r + q * t + z * p) - r * S, y = q * (p * t + q * s + z * q) - s * S;
-    float rate = -(u_c.x * x + u_c.y * y) / (2.0 * S * sqrt(S));
-    float limit = u_limit * abs(z);
-#endif
-    o_smooth = z + min(u_dt, limit) * rate;
+    o_smooth = z + min(u_dt, flow_limit(z)) * flow_rate(at, z, z);
 }

@@ -174,13 +174,14 @@ static void read_context(ssfr_gl *gl)
     read_limits(gl);
     glCreateVertexArrays(1, &gl->vertex_array);
     glCreateFramebuffers(1, &gl->framebuffer);
+    glCreateQueries(GL_ANY_SAMPLES_PASSED, 1, &gl->query);
 }
 
 static void destroy_context(ssfr_gl *gl)
 {
     if (gl->context != EGL_NO_CONTEXT) eglDestroyContext(gl->display, gl->context);
     gl->context = EGL_NO_CONTEXT;
-    gl->vertex_array = gl->framebuffer = 0; /* gone with it */
+    gl->vertex_array = gl->framebuffer = gl->query = 0; /* gone with it */
 }
 
 /* Takes the route when it gives a context of the wanted kind; some devices turn out to be drawn in software. */
@@ -275,7 +276,8 @@ static void delete_objects(ssfr_gl *gl)
     if (!current) return;
     glDeleteVertexArrays(1, &gl->vertex_array);
     glDeleteFramebuffers(1, &gl->framebuffer);
-    gl->vertex_array = gl->framebuffer = 0;
+    glDeleteQueries(1, &gl->query);
+    gl->vertex_array = gl->framebuffer = gl->query = 0;
     const ssfr_result result = ssfr_gl_end(gl, SSFR_OK);
     (void)result; /* logged, and there is nobody to give it to */
 }
@@ -349,7 +351,7 @@ static ssfr_result enter_host(ssfr_gl *gl)
     GLint program = 0, deleted = GL_FALSE, active = GL_FALSE, paused = GL_FALSE;
     if (!glGetString(GL_VERSION)) return ssfr_fail(SSFR_ERR_GL, "no GL context is current in this thread");
     log_pending_errors();
-    /* Vertex arrays and framebuffers are not shared between contexts. */
+    /* Vertex arrays, framebuffers and queries are not shared between contexts. */
     if (eglGetCurrentContext() != gl->context || !glIsVertexArray(gl->vertex_array) ||
         !glIsFramebuffer(gl->framebuffer))
         return ssfr_fail(SSFR_ERR_GL, "the current GL context is not the one that ssfr was created in");

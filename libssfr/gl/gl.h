@@ -64,6 +64,10 @@ SSFR_MUST ssfr_result ssfr_program_get(ssfr_gl *gl, unsigned *out, const char *v
 /* Images, buffers and programs made since the context was created: a frame that allocates nothing adds none. */
 long ssfr_gl_allocations(const ssfr_gl *gl);
 
+/* Whether anything was drawn between begin and end, which waits for the GPU. They do not nest. */
+void ssfr_gl_watch_begin(ssfr_gl *gl);
+bool ssfr_gl_watch_end(ssfr_gl *gl);
+
 /* GPU timestamps: n pairs. Reading waits for the GPU. */
 typedef struct ssfr_timers {
     int n;

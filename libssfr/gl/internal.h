@@ -34,7 +34,7 @@ struct ssfr_gl {
     bool software;
     ssfr_gl_limits limits;
 
-    unsigned vertex_array, framebuffer;
+    unsigned vertex_array, framebuffer, query;
     int n_attached; /* colour attachments of framebuffer */
     ssfr_gl_program *programs;
     long allocations;

@@ -13,40 +13,19 @@
 #include "graph/draw.h"
 
 typedef struct curvature_flow_params {
-    int iterations, reference, limit, cross_term, off_axis;
-    double step, dt, depth_falloff;
+    ssfr_curvature_flow_params flow;
+    int iterations;
 } curvature_flow_params;
 
-enum { SSFR_REFERENCE_MEAN, SSFR_REFERENCE_NEAREST };
-static const char *const references[] = {"mean", "nearest", NULL};
+const char *const ssfr_curvature_flow_references[] = {"mean", "nearest", NULL};
 
 static const ssfr_param rows[] = {
     SSFR_PARAM_INT(curvature_flow_params, iterations, "1", 40, 0, 100000, "Euler steps"),
-    SSFR_PARAM_REAL(curvature_flow_params, step, "1", 0.9, 1e-6, 100,
-                    "the step as a share of the stability bound at the reference distance, which without off_axis is "
-                    "|z| C_x C_y / (C_x + C_y)"),
-    SSFR_PARAM_CHOICE(curvature_flow_params, reference, references, SSFR_REFERENCE_MEAN,
-                      "where the bound is taken: the mean distance of the particles in view, or the nearest of them"),
-    SSFR_PARAM_REAL(curvature_flow_params, dt, "m^2", 0, 0, 1e12, "the step itself; 0: by the share above"),
-    SSFR_PARAM_FLAG(curvature_flow_params, limit, 1, "shorten the step where a pixel is nearer than its bound allows"),
-    SSFR_PARAM_REAL(curvature_flow_params, depth_falloff, "radii", 5, 0, 1e6,
-                    "a depth step beyond this is a silhouette: no smoothing across it; in particle radii"),
-    SSFR_PARAM_FLAG(curvature_flow_params, cross_term, 1,
-                    "z_xy by central differences; off: 0, as listing A.13 has it"),
-    SSFR_PARAM_FLAG(curvature_flow_params, off_axis, 0,
-                    "the curvature of the surface itself, exact off the view axis; off: eq. 2.10, where tilted planes "
-                    "drift"),
+    SSFR_CURVATURE_FLOW_ROWS,
     SSFR_PARAM_END,
 };
 
-static const ssfr_uniform uniforms[] = {
-    {"u_dt", offsetof(ssfr_curvature_flow_coeffs, dt), 1},
-    {"u_c", offsetof(ssfr_curvature_flow_coeffs, c), 2},
-    {"u_falloff", offsetof(ssfr_curvature_flow_coeffs, falloff), 1},
-    {"u_limit", offsetof(ssfr_curvature_flow_coeffs, limit), 1},
-    {"u_divisor", offsetof(ssfr_curvature_flow_coeffs, divisor), 1},
-    {NULL, 0, 0},
-};
+static const ssfr_uniform uniforms[] = {SSFR_CURVATURE_FLOW_UNIFORMS, {NULL, 0, 0}};
 
 /* The largest step, at |z| = 1, under which no ripple grows on a surface that faces the eye: checkerboards are the
  * first to. */
@@ -57,29 +36,52 @@ static double stability_bound(const double c[2], bool off_axis)
 }
 
 /* Off the axis a pixel covers less of the surface across the ray: the bound falls by (1 + u^2 + v^2)^(3/2) at most. */
-static double corner_factor(const ssfr_block *b)
+double ssfr_curvature_flow_corner(const ssfr_run *run, int off_axis)
 {
+    const ssfr_block *b = &run->frame->block;
     const double u = 0.5 * b->image[0] * b->image[2], v = 0.5 * b->image[1] * b->image[3];
-    return pow(1 + u * u + v * v, 1.5);
+    return off_axis ? pow(1 + u * u + v * v, 1.5) : 1;
+}
+
+double ssfr_curvature_flow_distance(const ssfr_run *run, const ssfr_curvature_flow_params *p)
+{
+    const ssfr_facts *facts = &run->frame->facts;
+    return p->reference == SSFR_REFERENCE_NEAREST ? facts->nearest : facts->mean;
+}
+
+void ssfr_curvature_flow_derive(const ssfr_run *run, const ssfr_curvature_flow_params *p, ssfr_curvature_flow_coeffs *c)
+{
+    const ssfr_block *b = &run->frame->block;
+    *c = (ssfr_curvature_flow_coeffs){.c = {b->image[2] * run->divisor, b->image[3] * run->divisor}};
+    const double bound = stability_bound(c->c, p->off_axis);
+    c->dt = p->dt;
+    if (p->dt == 0)
+        c->dt = p->step * bound * ssfr_curvature_flow_distance(run, p) / ssfr_curvature_flow_corner(run, p->off_axis);
+    c->limit = p->limit ? SSFR_CURVATURE_FLOW_SAFE * bound : SSFR_EMPTY;
+    c->threshold = SSFR_EMPTY;
+    c->falloff = p->depth_falloff * run->frame->radius;
+    c->divisor = run->divisor;
+    c->cross_term = p->cross_term;
+    c->off_axis = p->off_axis;
+}
+
+unsigned ssfr_curvature_flow_program(const ssfr_run *run)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    return run->draw->programs[c->cross_term + 2 * c->off_axis];
+}
+
+double ssfr_curvature_flow_taps(const ssfr_curvature_flow_coeffs *c)
+{
+    return c->cross_term ? 9 : 5;
 }
 
 static void derive(const ssfr_run *run, void *coeffs)
 {
     const curvature_flow_params *p = run->params;
-    const ssfr_block *b = &run->frame->block;
     ssfr_curvature_flow_coeffs *c = coeffs;
-    c->c[0] = b->image[2] * run->divisor, c->c[1] = b->image[3] * run->divisor;
-    const double bound = stability_bound(c->c, p->off_axis);
-    const ssfr_facts *facts = &run->frame->facts;
-    const double distance = p->reference == SSFR_REFERENCE_NEAREST ? facts->nearest : facts->mean;
-    c->dt = p->dt;
-    if (p->dt == 0) c->dt = p->step * bound * distance / (p->off_axis ? corner_factor(b) : 1);
-    c->limit = p->limit ? SSFR_CURVATURE_FLOW_SAFE * bound : SSFR_EMPTY;
-    c->falloff = p->depth_falloff * run->frame->radius;
-    c->divisor = run->divisor;
+    ssfr_curvature_flow_derive(run, &p->flow, c);
     c->iterations = p->iterations;
-    c->cross_term = p->cross_term;
-    c->off_axis = p->off_axis;
 }
 
 static bool needed(const ssfr_run *run)
@@ -93,7 +95,7 @@ static ssfr_result gl_run(const ssfr_run *run)
     ssfr_result result = SSFR_OK;
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     const ssfr_draw *draw = run->draw;
-    const unsigned program = draw->programs[c->cross_term + 2 * c->off_axis];
+    const unsigned program = ssfr_curvature_flow_program(run);
     if (c->iterations == 0) return ssfr_draw_copy(draw, draw->in[0], draw->out[0]);
     for (int i = 0; i < c->iterations; i++) {
         const bool to_output = (c->iterations - i) % 2 == 1;
@@ -109,7 +111,7 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
 {
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     report->iterations = c->iterations;
-    report->taps = (c->cross_term ? 9.0 : 5.0) * c->iterations;
+    report->taps = ssfr_curvature_flow_taps(c) * c->iterations;
     report->bytes *= fmax(c->iterations, 1);
 }
 
@@ -128,10 +130,7 @@ const ssfr_pass ssfr_curvature_flow = {
     .needed = needed,
     .needless = "no iterations, or no fluid in view",
     .cpu_run = ssfr_curvature_flow_cpu,
-    .programs = {{"tiles.vert", "curvature_flow.frag", NULL},
-                 {"tiles.vert", "curvature_flow.frag", "#define CROSS_TERM\n"},
-                 {"tiles.vert", "curvature_flow.frag", "#define OFF_AXIS\n"},
-                 {"tiles.vert", "curvature_flow.frag", "#define CROSS_TERM\n#define OFF_AXIS\n"}},
+    .programs = SSFR_CURVATURE_FLOW_PROGRAMS("curvature_flow.frag"),
     .uniforms = uniforms,
     .gl_run = gl_run,
     .work = work,

@@ -38,7 +38,7 @@ static inline unsigned find_cuts(const patch *d, const ssfr_curvature_flow_coeff
 /* At a silhouette all derivatives along that axis are zero, so nothing is smoothed across it. */
 static inline slopes measure(const patch *d, const ssfr_curvature_flow_coeffs *c, unsigned cuts)
 {
-    slopes k = {.z = d->z};
+    slopes k = {.z = fmin(d->z, c->threshold)};
     if (!(cuts & SSFR_CURVATURE_FLOW_CUT_X))
         k.p = (d->right - d->left) / (2 * c->c[0]), k.r = (d->left + d->right) / (c->c[0] * c->c[0]);
     if (!(cuts & SSFR_CURVATURE_FLOW_CUT_Y))
@@ -70,16 +70,29 @@ static double exact_rate(const slopes *k, const double c[2], double u, double v)
     return sqrt(c[0] * c[1]) * fabs(z) * twice / 2;
 }
 
-static inline double rate(const ssfr_run *run, const patch *d, int x, int y, unsigned cuts)
+/* dt of a pixel at depth z, m^2. */
+static inline double dt_at(const ssfr_curvature_flow_coeffs *c, double z, const double ray[2])
+{
+    const double away = 1 + ray[0] * ray[0] + ray[1] * ray[1], factor = c->off_axis ? away * sqrt(away) : 1;
+    return fmin(c->over_depth ? c->dt / fabs(z) : c->dt, c->limit * fabs(z) / factor);
+}
+
+/* Eye-space x and y at unit distance, y downwards like rows. */
+static inline void ray_of(const ssfr_run *run, int x, int y, double ray[2])
 {
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     const double *image = run->frame->block.image;
-    const double u = ((x + 0.5) * c->divisor - 0.5 * image[0]) * image[2];
-    const double v = ((y + 0.5) * c->divisor - 0.5 * image[1]) * image[3];
+    ray[0] = ((x + 0.5) * c->divisor - 0.5 * image[0]) * image[2];
+    ray[1] = ((y + 0.5) * c->divisor - 0.5 * image[1]) * image[3];
+}
+
+static inline double rate(const ssfr_run *run, const patch *d, int x, int y, unsigned cuts)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
     const slopes k = measure(d, c, cuts);
-    const double away = 1 + u * u + v * v, factor = c->off_axis ? away * sqrt(away) : 1;
-    const double dt = fmin(c->dt, c->limit * fabs(k.z) / factor);
-    return dt * (c->off_axis ? exact_rate(&k, c->c, u, v) : printed_rate(&k, c->c));
+    double ray[2];
+    ray_of(run, x, y, ray);
+    return dt_at(c, k.z, ray) * (c->off_axis ? exact_rate(&k, c->c, ray[0], ray[1]) : printed_rate(&k, c->c));
 }
 
 static double step(const ssfr_run *run, const ssfr_field *from, int x, int y)
@@ -125,6 +138,14 @@ unsigned ssfr_curvature_flow_cuts(const ssfr_run *run, const ssfr_field *depth, 
 {
     const patch d = look(depth, x, y);
     return find_cuts(&d, run->coeffs);
+}
+
+double ssfr_curvature_flow_dt(const ssfr_run *run, double z, int x, int y)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    double ray[2];
+    ray_of(run, x, y, ray);
+    return dt_at(c, fmin(z, c->threshold), ray);
 }
 
 double ssfr_curvature_flow_rate(const ssfr_run *run, const ssfr_field *depth, int x, int y, unsigned cuts)
