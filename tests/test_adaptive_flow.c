@@ -359,7 +359,7 @@ static double roughness(const ssfr_field *depth, double z0)
 static void count_ripples(void *user, ssfr_level level, const char *where, const char *text)
 {
     (void)where;
-    if (level == SSFR_WARNING && strstr(text, "adaptive_flow: a step of")) ++*(int *)user;
+    if (level == SSFR_WARNING && strstr(text, "adaptive_flow: without limit")) ++*(int *)user;
 }
 
 /* At the share s of the bound a checkerboard is multiplied by 1 - 2 s; the bound of -H / |z| is |z|^2 C / 2. */

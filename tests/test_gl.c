@@ -721,6 +721,26 @@ static void images_buffers_and_programs_are_counted(void **state)
 }
 
 /* GPU time of filling a square n times, the least of 3, ms. */
+static void a_watch_tells_whether_anything_was_drawn(void **state)
+{
+    (void)state;
+    begin();
+    ssfr_texture to = texture(7, 5, 1);
+    const ssfr_texture *const target = &to;
+    assert_int_equal(ssfr_gl_target(gl, 1, &target), SSFR_OK);
+    glUseProgram(program("fill.vert", "fill.frag", NULL));
+    for (int i = 0; i < 6; i++) { /* again and again, in any order */
+        const bool draws = i == 1 || i == 2 || i == 4;
+        ssfr_gl_watch_begin(gl);
+        glDrawArrays(GL_TRIANGLES, 0, draws ? 3 : 0);
+        assert_int_equal(ssfr_gl_watch_end(gl), draws);
+    }
+    glDrawArrays(GL_TRIANGLES, 0, 3); /* unwatched */
+    ssfr_gl_watch_begin(gl);
+    assert_false(ssfr_gl_watch_end(gl));
+    ssfr_texture_finish(&to);
+}
+
 static double time_filling(ssfr_timers *timers, int i, int side, int n)
 {
     ssfr_texture image = texture(side, side, 4);
@@ -792,6 +812,7 @@ int main(void)
         DRAWS(buffers_hold_what_they_are_given),
         DRAWS(buffers_too_large_are_refused),
         DRAWS(images_buffers_and_programs_are_counted),
+        DRAWS(a_watch_tells_whether_anything_was_drawn),
         DRAWS(timers_grow_with_the_work),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
