@@ -3,19 +3,15 @@
 #ifndef SSFR_COMPOSITE_H
 #define SSFR_COMPOSITE_H
 
-#include "graph/pass.h"
+#include "passes/optics.h"
 
 enum { SSFR_FRESNEL_SCHLICK, SSFR_FRESNEL_EXACT };
 enum { SSFR_REFRACTION_OFFSET, SSFR_REFRACTION_SNELL };
-enum { SSFR_REFLECTION_SKY, SSFR_REFLECTION_SCENE };
-enum { SSFR_ATTENUATION_BEER, SSFR_ATTENUATION_SINGLE };
 
 typedef struct ssfr_composite_coeffs {
-    double gamma;       /* image heights a metre of thickness */
-    double attenuation; /* 1/m, of the single-coefficient form */
-    double specular, shininess;
+    ssfr_optics optics; /* first */
     double r0;          /* Fresnel reflectance at normal incidence */
-    int fresnel, refraction, reject, reflection, single;
+    int fresnel, refraction;
 } ssfr_composite_coeffs;
 
 void ssfr_composite_cpu(const ssfr_run *run);
