@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* bagar2010.c: water without foam, smoothed alike at every distance. */
+/* bagar2010.c: water smoothed alike at every distance, in layers, but without foam: all of it is behind where the foam
+ * would be. */
 #include "graph/pass.h"
 
 const ssfr_pipeline ssfr_pipeline_bagar2010 = {
     .name = "bagar2010",
-    .source = "Bagar 2010, secs 3.1 and 4.7, without the layers of foam",
-    .help = "screen-space fluid rendering with adaptive curvature flow: depth, smoothing, normals, thickness, shading",
+    .source = "Bagar 2010, secs 3.1, 3.2.3 and 4.7, without foam",
+    .help = "screen-space fluid rendering with adaptive curvature flow, in layers; the foam is to come",
     .result = SSFR_SLOT_color,
     .nodes = {
         {"background"},
@@ -15,6 +16,6 @@ const ssfr_pipeline ssfr_pipeline_bagar2010 = {
         {"upsample"},
         {"normals"},
         {"thickness"},
-        {"composite", .ports = {{"normal", SSFR_SLOT_normal}}},
+        {"layer_composite", .ports = {{"thickness_back", SSFR_SLOT_thickness}}},
     },
 };
