@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 // layer_composite.frag: layers of water and foam over the scene, from back to front (Bagar 2010, eqs 3.5 to 3.9). in:
-// scene colour and depth, surface depth (m) and unit normal (eye space), thicknesses (m) of the water behind the front of
-// the foam and before it, of the foam and of its front, share of light; out: linear colour.
+// scene colour and depth, surface depth (m) and unit normal (eye space), thicknesses (m) of the water behind the front
+// of the foam and before it, of the foam and of its front, share of light; out: linear colour.
 #include "common.glsl"
 #include "environment.glsl"
 #include "optics.glsl"

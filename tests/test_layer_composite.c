@@ -427,8 +427,8 @@ static void the_highlight_takes_the_light_that_arrives(void **state)
 
 /* ---- refraction -------------------------------------------------------------------------------------------------- */
 
-/* A scene whose red is the column in pixels, clear water, normals that lean to the right. Columns from 12 on stand before
- * the water. */
+/* A scene whose red is the column in pixels, clear water, normals that lean to the right. Columns from 12 on
+ * stand before the water. */
 static pond begin_places(void **state)
 {
     const pond p = begin(state);

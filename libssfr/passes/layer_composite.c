@@ -32,10 +32,10 @@ static const char *const printed[] = {"B10", "B11", "B12", "B26", "B29", NULL}; 
     REAL(name##_g, "1", g, 0, max, help ", green"), \
     REAL(name##_b, "1", b, 0, max, help ", blue")
 
-/* Defaults: the papers give none of these but Ka. Fresnel's term is Schlick's for water, of index 1.333. The base colour
- * and its falloff make shallow water turquoise and deep water dark; the falloff's ratios are those of
- * medium.absorption. Foam is white in front and a bluish grey behind, as figs 3.4 and 4.19 show it. A particle's
- * diameter of 0.04 m, which is what the scenes have at full scale, lets 1/e of the light through. */
+/* Defaults: the papers give none of these but Ka. Fresnel's term is Schlick's for an index of 1.333. The base colour
+ * and its falloff make shallow water turquoise and deep water dark, with the ratios of medium.absorption. Foam is
+ * white in front and a bluish grey behind. A foam particle of 0.04 m across, as those of R = 0.02 m are, lets 1/e of
+ * the light through; the front of the foam is two of them deep. */
 static const ssfr_param rows[] = {
     SSFR_PARAM_CHOICE(layer_params, fresnel, fresnels, SSFR_LAYER_FRESNEL_POWER,
                       "bias + scale (1 - n.v)^power, or Fresnel's equations with medium.ior"),

@@ -11,10 +11,12 @@ enum { SSFR_FOAM_EXPONENTIAL, SSFR_FOAM_POWER };
 enum { SSFR_PRINTED_B10 = 1, SSFR_PRINTED_B11 = 2, SSFR_PRINTED_B12 = 4, SSFR_PRINTED_B26 = 8, SSFR_PRINTED_B29 = 16 };
 
 /* Inputs beyond those of optics.h. */
-enum { SSFR_LAYER_BACK = SSFR_OPTICS_INPUTS, SSFR_LAYER_FRONT, SSFR_LAYER_FOAM, SSFR_LAYER_FOAM_FRONT, SSFR_LAYER_LIGHT };
+enum {
+    SSFR_LAYER_BACK = SSFR_OPTICS_INPUTS, SSFR_LAYER_FRONT, SSFR_LAYER_FOAM, SSFR_LAYER_FOAM_FRONT, SSFR_LAYER_LIGHT,
+};
 
-/* m, more than any water: thicker is as thick. Of a share of delta_foam too, where that is not held to 1. Products of it
- * are finite in float, so that nothing is 0 times infinity. */
+/* m, more than any water: thicker is as thick. The same number bounds T_ff / delta_foam where that is not held to 1.
+ * Its products are finite in float, so that nothing is 0 times infinity. */
 #define SSFR_THICKEST 1e6
 
 typedef struct ssfr_layer_composite_coeffs {
