@@ -108,15 +108,25 @@ $(BUILD)/experiments/meta.o: $(BUILD)/commit
 $(BUILD)/experiments/meta.o: CFLAGS_ALL += -DSSFR_COMMIT='"$(COMMIT)"'
 FORCE:
 
-# Every scene file, mesh and particle file becomes part of the binary. The list is made anew when one comes or goes.
+# The list of files that become part of the binary is made anew when one comes or goes: $(call list_files,FILES,FOLDER).
+list_files = @mkdir -p $(@D); n=0; for f in $(1); do \
+  echo "X($$n, \"$${f\#$(2)/}\", \"$$f\")"; n=$$((n + 1)); done > $@.new; \
+  cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+# Every scene file, mesh and particle file becomes part of the binary.
 SCENE_FILES := $(sort $(wildcard $(foreach folder,experiments/scenes experiments/scenes/*,\
                  $(foreach ending,yaml obj h5,$(folder)/*.$(ending)))))
 $(BUILD)/scene_files.def: FORCE
-	@mkdir -p $(@D); n=0; for f in $(SCENE_FILES); do \
-	  echo "X($$n, \"$${f#experiments/scenes/}\", \"$$f\")"; n=$$((n + 1)); done > $@.new; \
-	  cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+	$(call list_files,$(SCENE_FILES),experiments/scenes)
 $(BUILD)/experiments/scenes/embedded.o: $(BUILD)/scene_files.def $(SCENE_FILES)
 $(BUILD)/experiments/scenes/embedded.o: CFLAGS_ALL += -I$(BUILD)
+# So does every paper: a folder with claims, its sweeps, and its own numbers in published/.
+PAPERS := $(dir $(wildcard experiments/*/claims.yaml))
+PAPER_FILES := $(sort $(wildcard $(foreach paper,$(PAPERS),$(paper)*.yaml $(paper)published/*.csv)))
+$(BUILD)/paper_files.def: FORCE
+	$(call list_files,$(PAPER_FILES),experiments)
+$(BUILD)/experiments/papers.o: $(BUILD)/paper_files.def $(PAPER_FILES)
+$(BUILD)/experiments/papers.o: CFLAGS_ALL += -I$(BUILD)
 $(BUILD)/experiments/bench_integrators_spec.o: experiments/truth/integrators.yaml
 
 $(SSFR): $(BUILD)/experiments/main.o $(APP) $(METRICS) $(STATIC)

@@ -91,6 +91,7 @@ int ssfr_cmd_sweep(int argc, char **argv)
     sweep_words words = {0};
     ssfr_sweep_options options = {0};
     ssfr_sweep_spec *spec = NULL;
+    ssfr_published *published = NULL;
     ssfr_command_line line;
     const ssfr_option_set sets[] = {
         {"sweep", rows, &words}, SSFR_STAGE_SETS(&options.stage), {NULL, NULL, NULL}};
@@ -116,8 +117,12 @@ int ssfr_cmd_sweep(int argc, char **argv)
     else
         SSFR_TRY(ssfr_sweep_spec_create(&spec));
     SSFR_TRY(merge(spec, &words, options.stage.size));
+    if (spec->published.file)
+        SSFR_TRY(ssfr_published_load(&published, &spec->published, line.arguments.items[0]));
+    options.published = published;
     SSFR_TRY(ssfr_sweep_run(spec, &options));
 end:
+    ssfr_published_destroy(&published);
     ssfr_sweep_spec_destroy(&spec);
     return ssfr_exit_status(result);
 }

@@ -107,15 +107,15 @@ end:
     return result;
 }
 
-ssfr_result ssfr_csv_load(ssfr_csv_table **out, const char *path)
+/* Takes over the text. */
+static ssfr_result read_table(ssfr_csv_table **out, const char *path, char *text, size_t size)
 {
     ssfr_result result = SSFR_OK;
     ssfr_csv_table *table = NULL;
-    reader r = {.path = path};
-    *out = NULL;
+    reader r = {.path = path, .text = text, .size = size};
     SSFR_TRY(ssfr_alloc(&table, 1, sizeof *table, "a table"));
-    SSFR_TRY(ssfr_read_file(path, MAX_FILE, &table->text, &r.size));
-    r.text = table->text;
+    table->text = text;
+    text = NULL;
     if (strlen(r.text) != r.size) {
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: a zero byte at byte %zu: not a CSV file", path, strlen(r.text));
         goto end;
@@ -127,7 +127,32 @@ ssfr_result ssfr_csv_load(ssfr_csv_table **out, const char *path)
         table = NULL;
     }
 end:
+    free(text);
     ssfr_csv_table_destroy(&table);
+    return result;
+}
+
+ssfr_result ssfr_csv_parse(ssfr_csv_table **out, const char *path, const char *text, size_t size)
+{
+    ssfr_result result = SSFR_OK;
+    char *copy = NULL;
+    *out = NULL;
+    SSFR_TRY(ssfr_alloc(&copy, size + 1, 1, "a table's text"));
+    memcpy(copy, text, size);
+    SSFR_TRY(read_table(out, path, copy, size));
+end:
+    return result;
+}
+
+ssfr_result ssfr_csv_load(ssfr_csv_table **out, const char *path)
+{
+    ssfr_result result = SSFR_OK;
+    char *text = NULL;
+    size_t size;
+    *out = NULL;
+    SSFR_TRY(ssfr_read_file(path, MAX_FILE, &text, &size));
+    SSFR_TRY(read_table(out, path, text, size));
+end:
     return result;
 }
 
@@ -155,15 +180,17 @@ double ssfr_csv_cell_number(const ssfr_csv_table *table, size_t row, int column)
     return end != text && *end == '\0' ? value : NAN;
 }
 
-int ssfr_csv_column(const ssfr_csv_table *table, const char *name)
+bool ssfr_csv_is_column(const char *header, const char *name)
 {
     const size_t length = strlen(name);
+    return strncmp(header, name, length) == 0 && (header[length] == '\0' || strncmp(header + length, " [", 2) == 0);
+}
+
+int ssfr_csv_column(const ssfr_csv_table *table, const char *name)
+{
     int found = -1;
-    for (int i = 0; i < table->n_columns && found < 0; i++) {
-        const char *column = table->cells[i];
-        const bool starts = strncmp(column, name, length) == 0;
-        if (starts && (column[length] == '\0' || strncmp(column + length, " [", 2) == 0)) found = i;
-    }
+    for (int i = 0; i < table->n_columns && found < 0; i++)
+        if (ssfr_csv_is_column(table->cells[i], name)) found = i;
     return found;
 }
 

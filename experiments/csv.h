@@ -19,12 +19,16 @@ typedef struct ssfr_csv_table {
 
 /* Reads the complete lines of a file. A file without one gives 0 columns. */
 SSFR_MUST ssfr_result ssfr_csv_load(ssfr_csv_table **out, const char *path);
+/* The same from a text; path is what errors call it. */
+SSFR_MUST ssfr_result ssfr_csv_parse(ssfr_csv_table **out, const char *path, const char *text, size_t size);
 void ssfr_csv_table_destroy(ssfr_csv_table **table);
 
 /* The cell of a row (0 is the first below the header) and a column. */
 const char *ssfr_csv_cell(const ssfr_csv_table *table, size_t row, int column);
 /* A cell as a number, NaN when it is none. */
 double ssfr_csv_cell_number(const ssfr_csv_table *table, size_t row, int column);
+/* A column's header is that name, with or without a unit. */
+bool ssfr_csv_is_column(const char *header, const char *name);
 /* The column of that name, with or without its unit; -1 when there is none. */
 int ssfr_csv_column(const ssfr_csv_table *table, const char *name);
 

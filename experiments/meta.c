@@ -225,6 +225,7 @@ static ssfr_result write_file(FILE *file, const char *path, const ssfr_meta *met
     if (meta->identity) ssfr_json_text(&json, "identity", identity);
     put_machine(&json, meta);
     put_libraries(&json);
+    if (meta->scale) ssfr_json_text(&json, "scale", meta->scale);
     put_scenes(&json, meta);
     SSFR_TRY(put_parameters(&json, meta));
     if (meta->spec) put_spec(&json, meta->spec);

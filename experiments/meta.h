@@ -29,6 +29,7 @@ typedef struct ssfr_meta {
     const ssfr_record *parameters; /* of what is measured when that is no graph */
     const ssfr_truth_params *truth; /* that errors are measured against; those that an axis varies are left out; NULL */
     const ssfr_sweep_spec *spec; /* NULL for a table without axes */
+    const char *scale;           /* of scenes that are described: quick or full; NULL for none */
     int n_columns;
     const ssfr_column *columns;  /* those whose name does not say all */
     int n_scenes;

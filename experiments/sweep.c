@@ -8,6 +8,7 @@
 #include "experiments/interrupt.h"
 #include "experiments/meta.h"
 #include "experiments/rig.h"
+#include "experiments/scenes/make.h"
 #include "experiments/setup.h"
 
 #include "base/param.h"
@@ -17,7 +18,7 @@
 /* Columns behind the parameters that tell one row from another. */
 static const char *const own_keys[] = {"scene", "pipeline", "backend", "width", "height"};
 
-enum { N_OWN = SSFR_COUNT(own_keys), MAX_KEYS = SSFR_MAX_AXES + N_OWN, MAX_COLUMNS = MAX_KEYS + 1 + SSFR_N_COLUMNS };
+enum { N_OWN = SSFR_COUNT(own_keys), MAX_KEYS = SSFR_MAX_AXES + N_OWN, MAX_COLUMNS = MAX_KEYS + 2 + SSFR_N_COLUMNS };
 
 typedef struct sweep {
     const ssfr_sweep_spec *spec;
@@ -32,6 +33,7 @@ typedef struct sweep {
     int n_keys, n_columns;
     char headers[MAX_COLUMNS][256];
     const char *columns[MAX_COLUMNS];
+    int on[SSFR_MAX_ON]; /* keys that published numbers are joined by */
     size_t n_failed;
 } sweep;
 
@@ -101,6 +103,20 @@ static void name_columns(sweep *s)
     s->n_keys = s->n_columns;
     add_column(s, "status", "1");
     for (int i = 0; i < SSFR_N_COLUMNS; i++) add_column(s, ssfr_columns[i].name, ssfr_columns[i].unit);
+    if (s->o->published) add_column(s, s->o->published->header, "1");
+}
+
+/* Published numbers are joined by cells that are known before a run. */
+static ssfr_result find_joined(sweep *s)
+{
+    for (int i = 0; s->o->published && i < s->spec->published.n_on; i++) {
+        const char *name = s->spec->published.with[i];
+        for (s->on[i] = 0; s->on[i] < s->n_keys && !ssfr_csv_is_column(s->columns[s->on[i]], name);) s->on[i]++;
+        if (s->on[i] == s->n_keys)
+            return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: published: no key %s tells the rows of the sweep apart",
+                             s->spec->published.where, name);
+    }
+    return SSFR_OK;
 }
 
 static bool has_column(const sweep *s, const char *name)
@@ -132,12 +148,20 @@ static ssfr_result check_figures(const sweep *s)
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
+static const char *find_published(const sweep *s, const key *k)
+{
+    const char *cells[SSFR_MAX_ON] = {NULL};
+    for (int i = 0; i < s->spec->published.n_on; i++) cells[i] = k->cells[s->on[i]];
+    return ssfr_published_find(s->o->published, cells);
+}
+
 static ssfr_result write_row(sweep *s, const key *k, const char *status, const double values[SSFR_N_COLUMNS])
 {
     ssfr_result result = SSFR_OK;
     for (int i = 0; i < s->n_keys; i++) SSFR_TRY(ssfr_csv_text(s->csv, k->cells[i]));
     SSFR_TRY(ssfr_csv_text(s->csv, status));
     for (int i = 0; i < SSFR_N_COLUMNS; i++) SSFR_TRY(ssfr_csv_number(s->csv, values[i]));
+    if (s->o->published) SSFR_TRY(ssfr_csv_text(s->csv, find_published(s, k)));
     SSFR_TRY(ssfr_csv_end_row(s->csv));
 end:
     return result;
@@ -172,13 +196,13 @@ static ssfr_result visit_runs(sweep *s, bool count_only, size_t *n)
         if (ssfr_csv_has(s->csv, k.cells)) continue;
         bool made = true;
         if (!count_only) {
-            ssfr_console_progress("sweep", done, total);
+            ssfr_console_progress(s->o->what ? s->o->what : "sweep", done, total);
             SSFR_TRY(make_row(s, index, &k, &made));
         }
         done += made;
     }
 end:
-    if (!count_only) ssfr_console_progress("sweep", total, total);
+    if (!count_only) ssfr_console_progress(s->o->what ? s->o->what : "sweep", total, total);
     *n = done;
     return result;
 }
@@ -222,6 +246,7 @@ static uint64_t identity_of(const sweep *s)
              s->o->quick, s->o->no_twin);
     hash = hash_truth(ssfr_hash_text(hash, text), s);
     hash = ssfr_hash_bytes(hash, view, sizeof view);
+    if (s->o->published) hash = ssfr_published_hash(s->o->published, hash);
     hash = ssfr_hash_text(ssfr_hash_text(hash, v->camera ? v->camera : ""), v->map ? v->map : "");
     ssfr_meta_processor(text, sizeof text);
     hash = ssfr_hash_text(hash, text);
@@ -266,6 +291,7 @@ static ssfr_result begin_table(sweep *s)
                             .graph = ssfr_rig_graph(s->rig),
                             .truth = ssfr_rig_truth(s->rig),
                             .spec = s->spec,
+                            .scale = ssfr_scale_words[s->o->stage.scale],
                             .n_columns = SSFR_N_COLUMNS,
                             .columns = ssfr_columns,
                             .n_scenes = (int)scenes->n,
@@ -344,7 +370,9 @@ static ssfr_result run(sweep *s)
     if (s->n_failed) ssfr_log(SSFR_WARNING, "%zu of %zu runs failed: their column status says why", s->n_failed, n);
     if (n < todo)
         result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu runs%s", n, todo,
-                           s->o->output ? "; the same command with --resume goes on from there" : "");
+                           s->o->what     ? "; the same command goes on from there"
+                           : s->o->output ? "; the same command with --resume goes on from there"
+                                          : "");
     else if (s->o->output && !s->o->no_plot)
         SSFR_TRY(ssfr_figures_draw(s->o->output, s->spec));
 end:
@@ -364,6 +392,7 @@ ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options
     s->group = count_group(s);
     SSFR_TRY(ssfr_sweep_spec_count(spec, &s->n_runs));
     name_columns(s);
+    SSFR_TRY(find_joined(s));
     SSFR_TRY(check_figures(s));
     SSFR_TRY(options->dry_run ? dry_run(s) : run(s));
 end:

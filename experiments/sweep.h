@@ -3,6 +3,7 @@
 #ifndef SSFR_SWEEP_H
 #define SSFR_SWEEP_H
 
+#include "experiments/published.h"
 #include "experiments/stage.h"
 #include "experiments/sweep_spec.h"
 
@@ -14,6 +15,8 @@ typedef struct ssfr_sweep_options {
     ssfr_stage_options stage; /* but for the size */
     int argc;            /* the command line, for the metadata */
     char **argv;
+    const char *what;    /* in the progress bar; NULL for a sweep by itself, which is gone on with by --resume */
+    const ssfr_published *published; /* of the spec; NULL for none */
     long seed;
 } ssfr_sweep_options;
 

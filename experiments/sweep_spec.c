@@ -318,6 +318,51 @@ ssfr_result ssfr_sweep_spec_pipeline(ssfr_sweep_spec *spec, const char *name)
     return replace_text(&spec->pipeline, name);
 }
 
+/* ---- scales ------------------------------------------------------------------------------------------------------ */
+
+/* "640x360" to "320x180"; what is no size is left to those who check sizes. */
+static void halve(const char *size, char *text, size_t n)
+{
+    int width = 0, height = 0, length = 0;
+    if (sscanf(size, "%dx%d%n", &width, &height, &length) == 2 && size[length] == '\0')
+        snprintf(text, n, "%dx%d", ssfr_max_int(width / 2, 1), ssfr_max_int(height / 2, 1));
+    else
+        snprintf(text, n, "%s", size);
+}
+
+static ssfr_result halve_sizes(ssfr_sweep_spec *spec)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_axis *from = ssfr_sweep_spec_axis(spec, "size");
+    ssfr_axis axis = {0};
+    SSFR_TRY(init_axis(&axis, from->where, from->key, from->n));
+    for (size_t i = 0; i < from->n; i++) {
+        char text[64];
+        halve(from->values[i], text, sizeof text);
+        SSFR_TRY(add_value(&axis, text, strlen(text)));
+    }
+    SSFR_TRY(put_axis(spec, &axis));
+end:
+    finish_axis(&axis);
+    return result;
+}
+
+ssfr_result ssfr_sweep_spec_quicken(ssfr_sweep_spec *spec)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_sweep_spec *quick = spec->quick;
+    if (!quick || !ssfr_sweep_spec_axis(quick, "size")) SSFR_TRY(halve_sizes(spec));
+    if (!quick) goto end;
+    if (quick->title) SSFR_TRY(replace_text(&spec->title, quick->title));
+    for (int i = 0; i < quick->n_axes; i++) SSFR_TRY(put_axis(spec, &quick->axes[i]));
+    for (int i = 0; i < quick->settings.n; i++) {
+        const ssfr_setting *s = &quick->settings.items[i];
+        SSFR_TRY(add_setting(&spec->settings, s->where, s->key, s->value));
+    }
+end:
+    return result;
+}
+
 /* ---- the object -------------------------------------------------------------------------------------------------- */
 
 ssfr_result ssfr_sweep_spec_create(ssfr_sweep_spec **out)
@@ -337,6 +382,14 @@ static void finish_plot(ssfr_plot_spec *plot)
     free(plot->y_label);
 }
 
+static void finish_published(ssfr_published_spec *published)
+{
+    for (int i = 0; i < published->n_on; i++) free(published->on[i]), free(published->with[i]);
+    free(published->file);
+    free(published->column);
+    free(published->where);
+}
+
 void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec)
 {
     ssfr_sweep_spec *s = *spec;
@@ -346,6 +399,8 @@ void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec)
     finish_settings(&s->reference);
     finish_plot(&s->plot);
     for (int i = 0; i < s->n_curves; i++) finish_plot(&s->curves[i]);
+    finish_published(&s->published);
+    ssfr_sweep_spec_destroy(&s->quick);
     free(s->title);
     free(s->pipeline);
     free(s);
@@ -533,6 +588,68 @@ end:
     return result;
 }
 
+/* Of both tables the same name, or of each its own. */
+static ssfr_result add_on(ssfr_published_spec *published, const ssfr_yaml_node *on, const ssfr_yaml_node *with)
+{
+    ssfr_result result = SSFR_OK;
+    const int i = published->n_on;
+    if (i == SSFR_MAX_ON) return ssfr_yaml_fail(on, SSFR_ERR_FORMAT, "on: more than %d columns", SSFR_MAX_ON);
+    published->n_on++; /* counted even when it is refused, so that it is freed */
+    SSFR_TRY(ssfr_yaml_read_text(on, NULL, &published->on[i]));
+    SSFR_TRY(ssfr_yaml_read_text(with, NULL, &published->with[i]));
+end:
+    return result;
+}
+
+static ssfr_result read_on(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    (void)row;
+    if (node->kind == SSFR_YAML_TEXT || node->n == 0)
+        return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "on: expected a list of columns, or a map of the paper's to the sweep's");
+    for (size_t i = 0; i < node->n; i++)
+        SSFR_TRY(add_on(to, node->kind == SSFR_YAML_MAP ? node->keys[i] : node->values[i], node->values[i]));
+end:
+    return result;
+}
+
+static ssfr_result read_published(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    static const ssfr_yaml_row rows[] = {
+        SSFR_YAML_ROW("file", ssfr_yaml_read_text, ssfr_published_spec, file, .needed = true),
+        SSFR_YAML_ROW_ALL("on", read_on, .needed = true),
+        SSFR_YAML_ROW("column", ssfr_yaml_read_text, ssfr_published_spec, column, .needed = true),
+        SSFR_YAML_ROW_END,
+    };
+    ssfr_result result = SSFR_OK;
+    ssfr_published_spec *published = to;
+    char where[SSFR_YAML_PLACE];
+    (void)row;
+    SSFR_TRY(ssfr_yaml_read_map(node, rows, to));
+    SSFR_TRY(ssfr_yaml_copy(&published->where, "", ssfr_yaml_place(ssfr_yaml_head(node), where)));
+end:
+    return result;
+}
+
+static ssfr_result read_quick(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    static const ssfr_yaml_row rows[] = {
+        SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_sweep_spec, title),
+        SSFR_YAML_ROW_ALL("scene", read_axis),
+        SSFR_YAML_ROW_ALL("size", read_axis),
+        SSFR_YAML_ROW("set", read_settings, ssfr_sweep_spec, settings),
+        SSFR_YAML_ROW_ALL("vary", read_vary),
+        SSFR_YAML_ROW_END,
+    };
+    ssfr_result result = SSFR_OK;
+    ssfr_sweep_spec *spec = to;
+    (void)row;
+    SSFR_TRY(ssfr_sweep_spec_create(&spec->quick));
+    SSFR_TRY(ssfr_yaml_read_map(node, rows, spec->quick));
+end:
+    return result;
+}
+
 static ssfr_result read_yaml(ssfr_sweep_spec *spec, const char *path, const char *text, size_t size)
 {
     static const ssfr_yaml_row rows[] = {
@@ -546,6 +663,8 @@ static ssfr_result read_yaml(ssfr_sweep_spec *spec, const char *path, const char
         SSFR_YAML_ROW_ALL("reference", read_reference),
         SSFR_YAML_ROW("plot", read_plot, ssfr_sweep_spec, plot),
         SSFR_YAML_ROW_ALL("curves", read_curves),
+        SSFR_YAML_ROW("published", read_published, ssfr_sweep_spec, published),
+        SSFR_YAML_ROW_ALL("quick", read_quick),
         SSFR_YAML_ROW_END,
     };
     ssfr_yaml *tree;
@@ -566,24 +685,33 @@ static ssfr_result read_standard_input(char **out, size_t *size)
     return result;
 }
 
-ssfr_result ssfr_sweep_spec_load(ssfr_sweep_spec **out, const char *path)
+ssfr_result ssfr_sweep_spec_parse(ssfr_sweep_spec **out, const char *path, const char *text, size_t size)
 {
     ssfr_result result = SSFR_OK;
     ssfr_sweep_spec *spec = NULL;
+    *out = NULL;
+    SSFR_TRY(ssfr_sweep_spec_create(&spec));
+    SSFR_TRY(read_yaml(spec, path, text, size));
+    *out = spec;
+    spec = NULL;
+end:
+    ssfr_sweep_spec_destroy(&spec);
+    return result;
+}
+
+ssfr_result ssfr_sweep_spec_load(ssfr_sweep_spec **out, const char *path)
+{
+    ssfr_result result = SSFR_OK;
     char *text = NULL;
     size_t size = 0;
     const bool from_stdin = strcmp(path, "-") == 0;
     *out = NULL;
-    SSFR_TRY(ssfr_sweep_spec_create(&spec));
     if (from_stdin)
         SSFR_TRY(read_standard_input(&text, &size));
     else
         SSFR_TRY(ssfr_read_file(path, SSFR_YAML_FILE, &text, &size));
-    SSFR_TRY(read_yaml(spec, from_stdin ? "standard input" : path, text, size));
-    *out = spec;
-    spec = NULL;
+    SSFR_TRY(ssfr_sweep_spec_parse(out, from_stdin ? "standard input" : path, text, size));
 end:
     free(text);
-    ssfr_sweep_spec_destroy(&spec);
     return result;
 }

@@ -14,6 +14,8 @@
  *      plot: {x: ref_normal_mean_deg, y: ms_median, lines: [sphere_depth.splat, backend]}
  *      curves:                                         # panels of one more figure
  *        - {x: curvature_flow.iterations, y: ref_normal_mean_deg, lines: [sphere_depth.splat], only: {backend: cpu}}
+ *      published: {file: tab1.csv, on: [scene, kernel], column: ms}   # the paper's numbers, see published.h
+ *      quick: {title: the same, smaller, size: 320x180, set: {}, vary: {}} # what `reproduce --scale quick` replaces
  *
  * `reference: truth` compares with what rays meet (truth/truth.h). Then truth.*, extinction.*, path.* and anisotropy.*
  * may be set and varied, too; truth.kind is an axis always, so that every row names its truth. */
@@ -29,6 +31,7 @@ enum {
     SSFR_MAX_LINES = 4,  /* columns that together name a line of a figure */
     SSFR_MAX_PANELS = 8, /* of the curves */
     SSFR_MAX_ONLY = 12,  /* cells that choose the rows of a figure */
+    SSFR_MAX_ON = 4,     /* columns by which published numbers are joined */
 };
 
 /* One dimension of the table. A key is a parameter's, or "scene", "size" or "backend". */
@@ -67,7 +70,15 @@ typedef enum ssfr_reference_kind {
     SSFR_REFERENCE_TRUTH, /* ray-cast */
 } ssfr_reference_kind;
 
-typedef struct ssfr_sweep_spec {
+typedef struct ssfr_published_spec { /* file NULL: none */
+    char *file, *column; /* in the folder published beside the sweep's; the column of it that is shown */
+    int n_on;
+    char *on[SSFR_MAX_ON], *with[SSFR_MAX_ON]; /* columns that rows are joined by: of that table, of the sweep's */
+    char *where;           /* for messages */
+} ssfr_published_spec;
+
+typedef struct ssfr_sweep_spec ssfr_sweep_spec;
+struct ssfr_sweep_spec {
     char *title, *pipeline; /* NULL when not given */
     int n_axes;
     ssfr_axis axes[SSFR_MAX_AXES];
@@ -76,11 +87,15 @@ typedef struct ssfr_sweep_spec {
     ssfr_plot_spec plot;
     int n_curves;
     ssfr_plot_spec curves[SSFR_MAX_PANELS];
-} ssfr_sweep_spec;
+    ssfr_published_spec published;
+    ssfr_sweep_spec *quick; /* title, axes and settings that replace those above at quick scale; NULL for none */
+};
 
 SSFR_MUST ssfr_result ssfr_sweep_spec_create(ssfr_sweep_spec **out);
 /* Reads a YAML file; "-" is standard input. */
 SSFR_MUST ssfr_result ssfr_sweep_spec_load(ssfr_sweep_spec **out, const char *path);
+/* The same from a text; path is what errors call it. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_parse(ssfr_sweep_spec **out, const char *path, const char *text, size_t size);
 void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec);
 
 /* Adds an axis from "a,b,c", "lo:hi:step" (hi included when hit within 1e-9 steps) or "lo:hi:N log"; one of the same
@@ -98,6 +113,10 @@ SSFR_MUST ssfr_result ssfr_sweep_spec_reference_text(ssfr_sweep_spec *spec, cons
 /* Adds the axes that every sweep has and this one lacks: one scene, one size, one kind of truth where that is the
  * reference, one backend; the backend comes last. */
 SSFR_MUST ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec);
+
+/* Makes a complete spec what it is at quick scale: what its `quick` says, and half the width and height unless that says
+ * a size. */
+SSFR_MUST ssfr_result ssfr_sweep_spec_quicken(ssfr_sweep_spec *spec);
 
 /* The axis of that key, NULL when there is none. */
 const ssfr_axis *ssfr_sweep_spec_axis(const ssfr_sweep_spec *spec, const char *key);
