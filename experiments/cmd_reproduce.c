@@ -111,6 +111,13 @@ end:
     return result;
 }
 
+static ssfr_result check_item(const reproduction *r, const item *it)
+{
+    ssfr_sweep_options options = r->options;
+    options.published = it->published;
+    return ssfr_sweep_check(it->spec, &options);
+}
+
 /* ---- choosing ------------------------------------------------------------------------------------------------------ */
 
 static bool names_paper(const char *argument, const ssfr_paper *paper)
@@ -163,6 +170,7 @@ static ssfr_result read_paper(reproduction *r, const ssfr_list *arguments, size_
         item *it = &r->items[r->n_items++];
         it->paper = paper, it->item = paper->items[i];
         SSFR_TRY(read_item(r, it));
+        SSFR_TRY(check_item(r, it));
     }
 end:
     return result;
@@ -211,10 +219,8 @@ static ssfr_result run_item(const reproduction *r, size_t i)
     snprintf(what, sizeof what, "%s, %zu of %zu", it->name, i + 1, r->n_items);
     options.output = path, options.what = what, options.published = it->published;
     SSFR_TRY(make_folders(r, it->paper->name));
-    ssfr_log_about(it->name);
-    result = ssfr_sweep_run(it->spec, &options);
-    ssfr_log_about(NULL);
-    if (result == SSFR_OK && ssfr_interrupt_came() && i + 1 < r->n_items)
+    SSFR_TRY(ssfr_sweep_run(it->spec, &options));
+    if (ssfr_interrupt_came() && i + 1 < r->n_items)
         result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu items; the same command goes on from there", i + 1,
                            r->n_items);
 end:

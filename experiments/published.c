@@ -57,6 +57,10 @@ ssfr_result ssfr_published_parse(ssfr_published **out, const ssfr_published_spec
     p->spec = spec;
     snprintf(p->header, sizeof p->header, "published_%s", spec->column);
     SSFR_TRY(ssfr_csv_parse(&p->table, path, text, size));
+    if (p->table->whole < size) { /* a sweep's table may be torn, a paper's is whole */
+        result = ssfr_fail(SSFR_ERR_FORMAT, "%s: the last line does not end", path);
+        goto end;
+    }
     SSFR_TRY(find_column(p, path, spec->column, &p->column));
     for (int i = 0; i < spec->n_on; i++) SSFR_TRY(find_column(p, path, spec->on[i], &p->on[i]));
     SSFR_TRY(check_rows(p, path));

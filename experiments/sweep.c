@@ -134,7 +134,7 @@ static ssfr_result check_plot(const sweep *s, const ssfr_plot_spec *p)
     for (int i = 0; i < p->n_only; i++) names[n++] = p->only[i].column;
     for (int i = 0; p->x && i < n; i++)
         if (!has_column(s, names[i]))
-            return ssfr_fail(SSFR_ERR_UNKNOWN, "plot: the table will have no column %s", names[i]);
+            return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: plot: the table will have no column %s", p->where, names[i]);
     return SSFR_OK;
 }
 
@@ -172,7 +172,7 @@ static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const k
 {
     double values[SSFR_N_COLUMNS];
     char error[SSFR_CAPTURE_SIZE];
-    ssfr_capture_begin("sweep");
+    ssfr_capture_begin(s->o->argc ? s->o->argv[0] : "sweep");
     const ssfr_result ran = ssfr_rig_run(s->rig, index, values);
     ssfr_capture_end(error);
     *made = ran == SSFR_OK || !ssfr_interrupt_came();
@@ -369,7 +369,8 @@ static ssfr_result run(sweep *s)
     ssfr_log(SSFR_INFO, "%zu of %zu runs in %.1f s", n, todo, ssfr_clock() - begun);
     if (s->n_failed) ssfr_log(SSFR_WARNING, "%zu of %zu runs failed: their column status says why", s->n_failed, n);
     if (n < todo)
-        result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu runs%s", n, todo,
+        result = ssfr_fail(SSFR_ERR_IO, "%s%sinterrupted after %zu of %zu runs%s", s->o->what ? s->o->what : "",
+                           s->o->what ? ": " : "", n, todo,
                            s->o->what     ? "; the same command goes on from there"
                            : s->o->output ? "; the same command with --resume goes on from there"
                                           : "");
@@ -379,13 +380,11 @@ end:
     return result;
 }
 
-ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options *options)
+/* Everything that can be found out without a scene. */
+static ssfr_result prepare(sweep *s)
 {
     ssfr_result result = SSFR_OK;
-    sweep *s = NULL;
-    SSFR_TRY(ssfr_alloc(&s, 1, sizeof *s, "a sweep"));
-    s->spec = spec;
-    s->o = options;
+    const ssfr_sweep_spec *spec = s->spec;
     SSFR_TRY(ssfr_setup_find_pipeline(&s->pipeline, spec->pipeline ? spec->pipeline : "vanderlaan2009"));
     SSFR_TRY(ssfr_rig_check(spec, s->pipeline));
     SSFR_TRY(ssfr_graph_create(&s->graph, s->pipeline, NULL));
@@ -394,8 +393,23 @@ ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options
     name_columns(s);
     SSFR_TRY(find_joined(s));
     SSFR_TRY(check_figures(s));
-    SSFR_TRY(options->dry_run ? dry_run(s) : run(s));
 end:
+    return result;
+}
+
+static ssfr_result create(sweep **out, const ssfr_sweep_spec *spec, const ssfr_sweep_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_alloc(out, 1, sizeof **out, "a sweep"));
+    (*out)->spec = spec;
+    (*out)->o = options;
+    SSFR_TRY(prepare(*out));
+end:
+    return result;
+}
+
+static void destroy(sweep *s)
+{
     if (s) {
         ssfr_csv_destroy(&s->csv);
         ssfr_rig_destroy(&s->rig);
@@ -403,5 +417,23 @@ end:
         ssfr_graph_destroy(&s->graph);
     }
     free(s);
+}
+
+ssfr_result ssfr_sweep_check(const ssfr_sweep_spec *spec, const ssfr_sweep_options *options)
+{
+    sweep *s = NULL;
+    const ssfr_result result = create(&s, spec, options);
+    destroy(s);
+    return result;
+}
+
+ssfr_result ssfr_sweep_run(const ssfr_sweep_spec *spec, const ssfr_sweep_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    sweep *s = NULL;
+    SSFR_TRY(create(&s, spec, options));
+    SSFR_TRY(options->dry_run ? dry_run(s) : run(s));
+end:
+    destroy(s);
     return result;
 }

@@ -15,10 +15,13 @@ typedef struct ssfr_sweep_options {
     ssfr_stage_options stage; /* but for the size */
     int argc;            /* the command line, for the metadata */
     char **argv;
-    const char *what;    /* in the progress bar; NULL for a sweep by itself, which is gone on with by --resume */
+    const char *what;    /* the part of a command that it is; NULL for a command of its own, with --resume */
     const ssfr_published *published; /* of the spec; NULL for none */
     long seed;
 } ssfr_sweep_options;
+
+/* Finds out what of a complete spec is wrong, as far as that needs no scene and no OpenGL. */
+SSFR_MUST ssfr_result ssfr_sweep_check(const ssfr_sweep_spec *spec, const ssfr_sweep_options *options);
 
 /* Runs the full product of a complete spec in order. After SIGINT or SIGTERM the row in progress is finished, but for
  * a truth that is being cast: then it fails. Either is gone on with by `resume`. */

@@ -380,6 +380,7 @@ static void finish_plot(ssfr_plot_spec *plot)
     free(plot->y);
     free(plot->x_label);
     free(plot->y_label);
+    free(plot->where);
 }
 
 static void finish_published(ssfr_published_spec *published)
@@ -563,8 +564,10 @@ static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *ro
         SSFR_YAML_ROW_END,
     };
     ssfr_result result = SSFR_OK;
-    const ssfr_plot_spec *plot = to;
+    ssfr_plot_spec *plot = to;
+    char where[SSFR_YAML_PLACE];
     (void)row;
+    SSFR_TRY(ssfr_yaml_copy(&plot->where, "", ssfr_yaml_place(ssfr_yaml_head(node), where)));
     SSFR_TRY(ssfr_yaml_read_map(node, rows, to));
     if (!plot->x || !plot->y)
         result = ssfr_yaml_fail(ssfr_yaml_head(node), SSFR_ERR_FORMAT, "%s: x and y must be given", node->name);

@@ -56,6 +56,7 @@ typedef struct ssfr_settings {
 
 typedef struct ssfr_plot_spec { /* columns by name; x NULL: no plot */
     char *title, *x, *y, *x_label, *y_label; /* labels NULL: what the column means */
+    char *where; /* for messages */
     int n_lines, n_only;
     char *lines[SSFR_MAX_LINES];
     struct {

@@ -288,7 +288,12 @@ static const char whole[] = "# a comment\n"
                             "plot: {title: Work, x: ref_psnr, y: ms_median, lines: [flow.step, backend]}\n"
                             "curves:\n"
                             "  - {x: flow.iterations, y: ref_psnr, lines: [flow.step], only: {backend: [cpu, gl]}}\n"
-                            "  - {title: Time, x: flow.iterations, y: ms_median, y_label: t}\n";
+                            "  - {title: Time, x: flow.iterations, y: ms_median, y_label: t}\n"
+                            "published: {file: tab1.csv, on: {place: scene, n: flow.iterations}, column: ms}\n"
+                            "quick:\n"
+                            "  title: Less\n"
+                            "  set: {floor.tile: 0.7}\n"
+                            "  vary: {flow.iterations: [40]}\n";
 
 static ssfr_result load_text(ssfr_sweep_spec **spec, const char *text, size_t size)
 {
@@ -326,6 +331,12 @@ static void assert_whole(const ssfr_sweep_spec *spec)
     assert_string_equal(spec->curves[1].y_label, "t");
     assert_null(spec->curves[1].x_label);
     assert_int_equal(spec->curves[1].n_lines, 0);
+    assert_string_equal(spec->published.file, "tab1.csv");
+    assert_string_equal(spec->published.column, "ms");
+    assert_int_equal(spec->published.n_on, 2);
+    assert_string_equal(spec->published.on[1], "n");
+    assert_string_equal(spec->published.with[1], "flow.iterations");
+    assert_string_equal(spec->quick->title, "Less");
 }
 
 static void a_whole_sweep_is_read(void **state)
@@ -356,6 +367,51 @@ static void truth_is_a_word_and_its_parameters_stand_beside_the_others(void **st
     assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
     assert_int_equal(n, 6);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+/* What a size is at quick scale, with the text of the spec before it. */
+static void assert_quick_sizes(const char *text, const char *expected)
+{
+    ssfr_sweep_spec *spec = NULL;
+    char joined[200] = "";
+    assert_int_equal(ssfr_sweep_spec_parse(&spec, "spec.yaml", text, strlen(text)), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_quicken(spec), SSFR_OK);
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, "size");
+    for (size_t i = 0; i < axis->n; i++) strcat(strcat(joined, i ? " " : ""), axis->values[i]);
+    assert_string_equal(joined, expected);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void quick_scale_halves_sizes_unless_it_says_them(void **state)
+{
+    (void)state;
+    assert_quick_sizes("title: x", "640x360");
+    assert_quick_sizes("size: [640x361, 2x1]", "320x180 1x1");
+    assert_quick_sizes("size: 64x48x2", "64x48x2"); /* refused later */
+    assert_quick_sizes("{size: 640x360, quick: {title: y}}", "320x180");
+    assert_quick_sizes("{size: 640x360, quick: {size: [64x48, 32x24]}}", "64x48 32x24");
+    ssfr_sweep_spec *spec = NULL;
+    assert_int_equal(ssfr_sweep_spec_parse(&spec, "spec.yaml", "size: [3x3, 2x2]", 16), SSFR_OK);
+    assert_fails(SSFR_ERR_VALUE, ssfr_sweep_spec_quicken(spec), "spec.yaml:1:1: size: 1x1 stands twice");
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void what_quick_says_replaces_what_is_said_above(void **state)
+{
+    (void)state;
+    ssfr_sweep_spec *spec = NULL;
+    size_t n = 0;
+    assert_int_equal(load_text(&spec, whole, sizeof whole - 1), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_quicken(spec), SSFR_OK);
+    assert_string_equal(spec->title, "Less");
+    assert_string_equal(spec->axes[2].key, "flow.iterations");
+    assert_int_equal(spec->axes[2].n, 1);
+    assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
+    assert_int_equal(n, 2 * 1 * 2 * 2 * 2);
+    assert_string_equal(spec->settings.items[spec->settings.n - 1].value, "0.7"); /* the last one counts */
     ssfr_sweep_spec_destroy(&spec);
 }
 
@@ -421,6 +477,16 @@ static void malformed_sweeps_are_refused_with_their_place(void **state)
         {SSFR_ERR_FORMAT,
          "curves:\n - &p {x: a, y: b}\n - *p\n - *p\n - *p\n - *p\n - *p\n - *p\n - *p\n - *p\n",
          "curves: more than 8 panels"},
+        {SSFR_ERR_FORMAT, "published: tab1.csv\n", "spec.yaml:1:12: published: expected a map"},
+        {SSFR_ERR_FORMAT, "published: {file: a, on: [b]}\n", "spec.yaml:1:1: published: column must be given"},
+        {SSFR_ERR_FORMAT, "published: {file: a, on: b, column: c}\n", "spec.yaml:1:26: on: expected a list of columns"},
+        {SSFR_ERR_FORMAT, "published: {on: []}\n", "spec.yaml:1:17: on: expected a list of columns"},
+        {SSFR_ERR_FORMAT, "published: {on: [a, [b]]}\n", "spec.yaml:1:21: on: expected one value"},
+        {SSFR_ERR_FORMAT, "published: {on: {a: [b]}}\n", "spec.yaml:1:21: a: expected one value"},
+        {SSFR_ERR_FORMAT, "published: {on: [a, b, c, d, e]}\n", "spec.yaml:1:30: on: more than 4 columns"},
+        {SSFR_ERR_FORMAT, "quick: less\n", "spec.yaml:1:8: quick: expected a map"},
+        {SSFR_ERR_FORMAT, "quick: {backend: gl}\n", "spec.yaml:1:9: quick: no key backend: it has title, scene, size"},
+        {SSFR_ERR_FORMAT, "quick: {size: []}\n", "spec.yaml:1:15: size: an empty list"},
         {SSFR_ERR_FORMAT, "title: \"a\\0b\"\n", "spec.yaml:1:8: title: a zero byte in the value"},
         {SSFR_ERR_FORMAT, "title: [x\n", "spec.yaml:2:1: did not find expected ',' or ']'"},
         {SSFR_ERR_FORMAT, "title: x\n\tscene: y\n", "spec.yaml:2:1: found"},
@@ -481,6 +547,8 @@ int main(void)
         cmocka_unit_test(every_table_names_its_truth),
         cmocka_unit_test(truth_is_a_word_and_its_parameters_stand_beside_the_others),
         cmocka_unit_test(a_whole_sweep_is_read),
+        cmocka_unit_test(quick_scale_halves_sizes_unless_it_says_them),
+        cmocka_unit_test(what_quick_says_replaces_what_is_said_above),
         cmocka_unit_test(a_sweep_is_read_from_standard_input),
         cmocka_unit_test(malformed_sweeps_are_refused_with_their_place),
         cmocka_unit_test(a_sweep_cut_at_any_byte_gives_a_sweep_or_an_error),

@@ -1,0 +1,191 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# test_reproduce.sh: reproducing from outside: a tiny paper in a folder, killed and gone on with, and those built in.
+# shellcheck disable=SC2086,SC2012,SC2015 # variables hold several options; names are plain
+
+test=reproduce
+. "$(dirname "$0")/cases.sh"
+
+# leaves STATUS NAME ARGS: with that status, and with nothing on stderr.
+leaves() {
+    wanted=$1 name=$2; shift 2; run "$@"
+    if [ $status -eq "$wanted" ] && [ ! -s err ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
+}
+
+lines() { if [ -e "$1" ]; then wc -l <"$1"; else echo 0; fi; }
+# column FILE NAME: its cells; only for tables without quoted cells before it.
+column() {
+    awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name || index($i, name " [") == 1) c = i; next }
+                          { print $c }' "$1"
+}
+cells() { column "$@" | tr '\n' ' '; }
+# holds ID: what claims.csv says of a claim.
+holds() { sed -n "s/^$1,.*,\(yes\|no\|not measured\),[^,]*\$/\1/p" results/claims.csv; }
+
+brief="--max-time 0.02"
+
+# ---- a paper in a folder ----
+
+mkdir -p experiments/tiny/published experiments/other experiments/no_paper
+cat >experiments/tiny/tab1.yaml <<'END'
+title: Steps of a block
+scene: block
+size: 48x32
+backend: cpu
+vary: {curvature_flow.iterations: 0:4:2}
+plot: {x: curvature_flow.iterations, y: ms_median, lines: [backend]}
+published: {file: tab1.csv, on: {place: scene, steps: curvature_flow.iterations}, column: ms}
+END
+printf 'place,steps,ms\nblock,0,14\nblock,2.0,15.50\nrock,4,16\n' >experiments/tiny/published/tab1.csv
+cat >experiments/tiny/fig2.yaml <<'END'
+scene: block
+size: 48x32
+backend: cpu
+vary: {curvature_flow.step: 0.5}
+quick: {title: Smaller still, size: 16x8, set: {curvature_flow.iterations: 3}, vary: {curvature_flow.step: "0.5,0.7"}}
+END
+cat >experiments/tiny/claims.yaml <<'END'
+- {id: work, where: Tab. 1, statement: steps are work, published: yes, rule: "monotone(tab1.taps, tab1.curvature_flow.iterations) == 1"}
+- {id: none, where: Tab. 1, statement: steps are free, rule: "slope(tab1.taps, tab1.curvature_flow.iterations) <= 0"}
+- {id: later, where: Fig. 3, statement: to be measured, rule: max(fig3.ms) < 1}
+- {id: slower, where: Tab. 1, statement: than published, rule: min(tab1.published_ms) >= 14}
+END
+echo '[]' >experiments/other/claims.yaml
+cp experiments/tiny/fig2.yaml experiments/no_paper/
+
+leaves 0 'what is in the folders is listed' reproduce --list
+printf 'paper\titem\ttitle\truns\ntiny\tfig2\tSmaller still\t2\ntiny\ttab1\tSteps of a block\t3\n' >wanted
+that 'with titles and runs' cmp -s out wanted
+leaves 0 'so it is at full scale' reproduce --list --scale full
+that 'where runs may differ' grep -q '^tiny	fig2		1$' out
+leaves 0 'one item is listed' reproduce --list tiny/tab1
+that 'alone' [ "$(lines out)" -eq 2 ]
+that 'a list writes nothing' [ ! -e results ]
+
+leaves 0 'an item is reproduced' reproduce tiny/tab1 $brief
+that 'alone' [ "$(ls results/tiny | tr '\n' ' ')" = 'tab1.csv tab1.meta.json tab1.svg ' ]
+that 'with all its runs' [ "$(cells results/tiny/tab1.csv status)" = 'ok ok ok ' ]
+that 'at half the width' [ "$(column results/tiny/tab1.csv width | sort -u)" = 24 ]
+that 'and height' [ "$(column results/tiny/tab1.csv height | sort -u)" = 16 ]
+that 'the published numbers stand beside, as printed' [ "$(column results/tiny/tab1.csv published_ms)" = "$(printf '14\n15.50\n')" ]
+that 'and a row without a partner has an empty cell' [ "$(tail -n 1 results/tiny/tab1.csv | grep -c ',$')" -eq 1 ]
+that 'its metadata say at which scale' grep -q '"scale": "quick"' results/tiny/tab1.meta.json
+that 'claims are held to it' [ "$(holds work) $(holds none) $(holds slower)" = 'yes no yes' ]
+that 'what has no table is not measured' [ "$(holds later)" = 'not measured' ]
+that 'which is said' grep -q '^tiny	later	-	-	not measured	there is no table fig3$' out
+that 'and all is printed' [ "$(lines out)" -eq 5 ]
+
+cp results/tiny/tab1.csv before.csv
+leaves 0 'the paper is gone on with' reproduce tiny $brief
+that 'rows that are there stay' cmp -s before.csv results/tiny/tab1.csv
+that 'what quick says counts' [ "$(cells results/tiny/fig2.csv width)" = '16 16 ' ]
+that 'its settings, too' grep -q '"curvature_flow.iterations": 3' results/tiny/fig2.meta.json
+leaves 0 'it can be measured anew' reproduce tiny/tab1 $brief --anew
+that 'to as many rows' [ "$(lines results/tiny/tab1.csv)" -eq 4 ]
+that 'which are others' sh -c '! cmp -s before.csv results/tiny/tab1.csv'
+leaves 0 'full scale goes elsewhere' reproduce tiny $brief --scale full -o full
+that 'with its own size' [ "$(cells full/tiny/fig2.csv width)" = '48 ' ]
+that 'and its name' grep -q '"scale": "full"' full/tiny/fig2.meta.json
+refuses 'scales are not mixed' 'tab1.csv: was measured with other settings' reproduce tiny/tab1 $brief -o full
+that 'and the table is named' grep -q '^ssfr reproduce: full/tiny/tab1.csv: ' err
+rm -r full
+
+# ---- claims alone ----
+
+printf 'status,ms\nok,0.5\n' >results/tiny/fig3.csv
+cp results/tiny/tab1.csv before.csv
+rm results/tiny/fig2.csv
+leaves 0 'tables that are there are held to claims' reproduce tiny --claims
+that 'as they are' [ "$(holds later)" = yes ]
+that 'and nothing is measured' [ ! -e results/tiny/fig2.csv ]
+that 'nor changed' cmp -s before.csv results/tiny/tab1.csv
+sed -i 's/^later,tiny/later,elsewhere/' results/claims.csv
+run reproduce --claims
+that 'rows of other papers stay' grep -q '^later,elsewhere,' results/claims.csv
+that 'and own ones are made anew' [ "$(lines results/claims.csv)" -eq 6 ]
+
+# ---- killed, stopped, and gone on with ----
+
+cat >experiments/other/long.yaml <<'END'
+{scene: block, size: 48x32, backend: cpu, vary: {curvature_flow.iterations: 0:29:1}}
+END
+for signal in KILL TERM; do
+    "$ssfr" reproduce other --max-time 0.05 2>err >out &
+    child=$!
+    had=$(lines results/other/long.csv)
+    tries=0
+    while [ $tries -lt 200 ] && [ "$(lines results/other/long.csv)" -lt $((had + 3)) ]; do
+        sleep 0.05; tries=$((tries + 1))
+    done
+    kill -$signal $child
+    wait $child 2>/dev/null
+    status=$?
+    that "it ends by $signal" [ $status -ne 0 ]
+    that 'before all is done' [ "$(lines results/other/long.csv)" -lt 31 ]
+done
+that 'being stopped is an error' [ $status -eq 2 ]
+that 'which says how to go on' grep -q \
+    '^ssfr reproduce: other/long, 1 of 1: interrupted after [0-9]* of [0-9]* runs; the same command goes on from there$' err
+that 'in one line' [ "$(lines err)" -eq 1 ]
+leaves 0 'the same command goes on' reproduce other --max-time 0.05
+that 'to every row once' [ "$(sed 1d results/other/long.csv | cut -d, -f1 | sort -nu | wc -l)" -eq 30 ]
+that 'and no more' [ "$(lines results/other/long.csv)" -eq 31 ]
+
+# ---- errors: one line, and nothing half-written ----
+
+rm -r results
+refuses 'an unknown paper is named, with those there are' 'tin: no such paper; there are other, tiny' reproduce tin
+refuses 'so is an unknown item' 'tiny/tab2: no such item; tiny has fig2, tab1' reproduce tiny tiny/tab2
+refuses 'and one without a name' 'tiny/: no such item' reproduce tiny/
+refuses 'claims are no item' 'tiny/claims: no such item' reproduce tiny/claims
+refuses 'a scale is one of two' '--scale huge: expected quick|full' reproduce --scale huge
+cp experiments/tiny/claims.yaml keep.yaml
+sed 's/<= 0/<= /' keep.yaml >experiments/tiny/claims.yaml
+refuses 'a rule that is none has its place' 'experiments/tiny/claims.yaml:2:' reproduce tiny/fig2
+cp keep.yaml experiments/tiny/claims.yaml
+cp experiments/tiny/tab1.yaml keep.yaml
+broken() { sed "$1" keep.yaml >experiments/tiny/tab1.yaml; }
+broken 's/vary/very/'
+refuses 'so has a sweep that is none' 'experiments/tiny/tab1.yaml:5:1: no key very' reproduce tiny
+broken 's/y: ms_median/y: ms_medium/'
+refuses 'a figure that cannot be drawn is found out at once' 'experiments/tiny/tab1.yaml:6:1: plot: the table will have no column ms_medium' \
+    reproduce tiny
+broken 's/0:4:2/-2:4:2/'
+refuses 'so is a value that is out of range' 'curvature_flow.iterations=-2: out of range' reproduce tiny
+broken 's/tab1.csv/tab9.csv/'
+refuses 'published numbers must be there' 'experiments/tiny/published/tab9.csv' reproduce tiny
+broken 's/column: ms/column: s/'
+refuses 'with the column' 'tab1.yaml:7:1: published: experiments/tiny/published/tab1.csv has no column s' reproduce tiny
+broken 's/place: scene/plaice: scene/'
+refuses 'and those that they are joined by' 'tab1.csv has no column plaice' reproduce tiny
+broken 's/place: scene/place: scenery/'
+refuses 'on both sides' 'tab1.yaml:7:1: published: no key scenery tells the rows' reproduce tiny/tab1
+broken 's/, steps: curvature_flow.iterations//'
+refuses 'which must tell their rows apart' 'rows 1 and 2 of experiments/tiny/published/tab1.csv have the same place' \
+    reproduce tiny
+cp keep.yaml experiments/tiny/tab1.yaml
+rm -rf results
+: >results
+refuses 'a file is no folder' 'results' reproduce tiny/tab1
+rm results
+refuses 'a folder must have its own' 'absent/results: No such file' reproduce tiny/tab1 -o absent/results
+that 'nothing is left of all this' [ ! -e results ]
+leaves 0 'a sweep by itself has the published numbers, too' sweep experiments/tiny/tab1.yaml $brief
+that 'beside its own' [ "$(column out published_ms | head -n 2 | tr '\n' ' ')" = '14 15.50 ' ]
+
+# ---- from anywhere: what was built in ----
+
+names() {
+    for file in "$here"/../experiments/*/claims.yaml; do
+        for item in "${file%/*}"/*.yaml; do basename "$item" .yaml; done
+    done | grep -vx claims
+}
+mkdir elsewhere && cd elsewhere || exit 2
+leaves 0 'without papers here, those of the program are listed' reproduce --list
+that 'with their items' grep -q '^vanderlaan2009	truth	' out
+that 'all of the source tree' [ "$(sed 1d out | cut -f2 | sort)" = "$(names | sort)" ]
+leaves 0 'their claims are known' reproduce vanderlaan2009 --claims
+that 'without tables not measured' [ "$(grep -c ',not measured,' results/claims.csv)" -eq "$(($(wc -l <results/claims.csv) - 1))" ]
+cd .. || exit 2
+
+finish
