@@ -158,7 +158,7 @@ static void write_note(const ssfr_claim *claim, char *text, size_t size)
         snprintf(about, sizeof about, "compared with %.4g", v->right);
     const size_t used = strlen(about);
     if (v->measured && v->left_out)
-        snprintf(about + used, sizeof about - used, "%s%zu values are missing and left out", used ? "; " : "",
+        snprintf(about + used, sizeof about - used, "%smissing values left out: %zu", used ? "; " : "",
                  v->left_out);
     snprintf(text, size, "%s%s%s", claim->note ? claim->note : "", claim->note && about[0] ? "; " : "", about);
 }

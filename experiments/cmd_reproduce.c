@@ -53,7 +53,7 @@ typedef struct reproduction {
     ssfr_sweep_options options;
 } reproduction;
 
-/* ---- reading: everything that was chosen, before anything is run ---------------------------------------------------- */
+/* ---- reading: everything that was chosen, before anything is run ------------------------------------------------- */
 
 static ssfr_result read_published(reproduction *r, item *it)
 {
@@ -118,7 +118,7 @@ static ssfr_result check_item(const reproduction *r, const item *it)
     return ssfr_sweep_check(it->spec, &options);
 }
 
-/* ---- choosing ------------------------------------------------------------------------------------------------------ */
+/* ---- choosing ---------------------------------------------------------------------------------------------------- */
 
 static bool names_paper(const char *argument, const ssfr_paper *paper)
 {
@@ -190,7 +190,7 @@ end:
     return result;
 }
 
-/* ---- running ------------------------------------------------------------------------------------------------------- */
+/* ---- running ----------------------------------------------------------------------------------------------------- */
 
 static ssfr_result make_folder(const char *path)
 {
@@ -308,7 +308,7 @@ end:
     return result;
 }
 
-/* ---- the command --------------------------------------------------------------------------------------------------- */
+/* ---- the command ------------------------------------------------------------------------------------------------- */
 
 static void finish(reproduction *r)
 {
@@ -351,7 +351,7 @@ int ssfr_cmd_reproduce(int argc, char **argv)
         .arguments = "[PAPER[/ITEM] ...]",
         .max_arguments = SSFR_MAX_LIST,
         .sets = sets,
-        .help = "Measures the tables of papers, all of them unless some are named, and holds them to the papers' claims. "
+        .help = "Measures the tables of papers, all unless some are named, and holds them to what the papers claim. "
                 "What was stopped goes on by the same command."};
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
     if (line.help) goto end;

@@ -215,7 +215,8 @@ static ssfr_result check_call(const parser *p, const char *where, ssfr_rule_node
 {
     const char *name = functions[call->function].name;
     const int gives = functions[call->function].gives, n = functions[call->function].n_arguments;
-    if (call->n_arguments != n) return fail(p, where, "%s takes %d before its filters, not %d", name, n, call->n_arguments);
+    if (call->n_arguments != n)
+        return fail(p, where, "%s takes %d before its filters, not %d", name, n, call->n_arguments);
     for (int i = 0; i < n; i++)
         if (!call->arguments[i]->is_list && gives != GIVES_SAME)
             return fail(p, where, "%s is of a column, not of one number", name);

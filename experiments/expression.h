@@ -7,13 +7,14 @@
  *      factor     = "-" factor | number | "(" sum ")" | table "." column | function "(" sum {"," sum | "," filter} ")"
  *      filter     = column ("=" | "!=" | "<=" | "<" | ">=" | ">") cell {"|" cell}
  *
- * A column is a list, a value for each row that passes the filters of all functions around it; rows whose status is not
- * ok, and cells that are no numbers, have none. Both sides of the comparison must be single numbers.
+ * A column is a list, a value for each row that passes the filters of all functions around it. Rows whose status is
+ * neither ok nor ran, and cells that are no finite numbers, have none. Both sides of the comparison must be single
+ * numbers.
  *
  *      max min mean median count       of a list, a number
  *      abs log                         of each value; the logarithm is natural
- *      ratio(list, key=a, key=b)       a over b, for each pair of rows that is otherwise of the same keys: those columns
- *                                      that stand before `status`
+ *      ratio(list, key=a, key=b)       a over b, for each pair of rows that is else of the same keys: those columns that
+ *                                      stand before `status`
  *      slope(y, x)                     of the line by least squares
  *      monotone(y, x)                  1: y never falls and somewhere rises with x; -1: the reverse; 0: neither */
 #ifndef SSFR_EXPRESSION_H

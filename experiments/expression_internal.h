@@ -12,7 +12,14 @@ enum {
     SSFR_RULE_DEPTH = 16,   /* of parentheses */
 };
 
-typedef enum ssfr_compare { SSFR_EQUAL, SSFR_UNEQUAL, SSFR_AT_MOST, SSFR_BELOW, SSFR_AT_LEAST, SSFR_ABOVE } ssfr_compare;
+typedef enum ssfr_compare {
+    SSFR_EQUAL,
+    SSFR_UNEQUAL,
+    SSFR_AT_MOST,
+    SSFR_BELOW,
+    SSFR_AT_LEAST,
+    SSFR_ABOVE,
+} ssfr_compare;
 
 /* X(name, number of arguments, what it gives): list or single. */
 #define SSFR_RULE_FUNCTIONS(X) \

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+        same = c == varied ||
+               strcmp(ssfr_csv_cell(a->table, a->rows[i], c), ssfr_csv_cell(b->table, b->rows[k], c)) == 0;/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* expression_judge.c: what a rule's tree says of tables. */
 #include "experiments/expression_internal.h"
 
@@ -28,7 +29,7 @@ typedef struct judge {
     ssfr_result result;
 } judge;
 
-/* ---- stopping: parts give false when there is nothing to go on with ------------------------------------------------ */
+/* ---- stopping: parts give false when there is nothing to go on with ---------------------------------------------- */
 
 __attribute__((format(printf, 2, 3))) static bool stop(judge *j, const char *format, ...)
 {
@@ -45,7 +46,7 @@ static bool check(judge *j, ssfr_result result)
     return result == SSFR_OK;
 }
 
-/* ---- lists --------------------------------------------------------------------------------------------------------- */
+/* ---- lists ------------------------------------------------------------------------------------------------------- */
 
 static void finish(list *l)
 {
@@ -75,7 +76,7 @@ static bool same_rows(const list *a, const list *b)
     return a->table == b->table && a->n == b->n && memcmp(a->rows, b->rows, a->n * sizeof *a->rows) == 0;
 }
 
-/* ---- columns and filters --------------------------------------------------------------------------------------------- */
+/* ---- columns and filters ----------------------------------------------------------------------------------------- */
 
 static bool has_cell(const ssfr_rule_filter *filter, const char *cell)
 {
@@ -126,6 +127,14 @@ static bool row_passes(const judge *j, const ssfr_csv_table *table, size_t row)
     return all;
 }
 
+/* A sweep's run that came to its end, or a bench's pass that had something to do. */
+static bool has_run(const ssfr_csv_table *table, size_t row)
+{
+    const int column = ssfr_csv_column(table, "status");
+    const char *status = column < 0 ? "ok" : ssfr_csv_cell(table, row, column);
+    return strcmp(status, "ok") == 0 || strcmp(status, "ran") == 0;
+}
+
 static bool eval_column(judge *j, const ssfr_rule_node *node, list *out)
 {
     const ssfr_csv_table *table = NULL;
@@ -137,17 +146,15 @@ static bool eval_column(judge *j, const ssfr_rule_node *node, list *out)
     for (int i = 0; (filter = filter_at(j, i)); i++)
         if (!find_column(j, table, node->table, filter->column, &unused)) return false;
     if (!make(j, out, table->n_rows, table)) return false;
-    const int status = ssfr_csv_column(table, "status");
     for (size_t row = 0; row < table->n_rows; row++) {
         if (!row_passes(j, table, row)) continue;
-        const bool ok = status < 0 || strcmp(ssfr_csv_cell(table, row, status), "ok") == 0;
         out->rows[out->n] = row;
-        out->values[out->n++] = ok ? ssfr_csv_cell_number(table, row, column) : NAN;
+        out->values[out->n++] = has_run(table, row) ? ssfr_csv_cell_number(table, row, column) : NAN;
     }
     return true;
 }
 
-/* ---- operators ------------------------------------------------------------------------------------------------------- */
+/* ---- operators --------------------------------------------------------------------------------------------------- */
 
 static bool eval(judge *j, const ssfr_rule_node *node, list *out);
 
@@ -161,13 +168,15 @@ static bool apply(judge *j, char operator, double a, double b, double *out)
 static bool combine(judge *j, char operator, const list *a, const list *b, list *out)
 {
     const list *shape = a->single ? b : a;
-    if (!a->single && !b->single && !same_rows(a, b)) return stop(j, "%c is between lists of different rows", operator);
+    if (!a->single && !b->single && !same_rows(a, b))
+        return stop(j, "%c is between lists of different rows", operator);
     if (!make(j, out, shape->n, shape->table)) return false;
     out->single = shape->single;
     out->n = shape->n;
     memcpy(out->rows, shape->rows, shape->n * sizeof *shape->rows);
     for (size_t i = 0; i < out->n; i++)
-        if (!apply(j, operator, a->values[a->single ? 0 : i], b->values[b->single ? 0 : i], &out->values[i])) return false;
+        if (!apply(j, operator, a->values[a->single ? 0 : i], b->values[b->single ? 0 : i], &out->values[i]))
+            return false;
     return true;
 }
 
@@ -181,7 +190,7 @@ static bool eval_operator(judge *j, const ssfr_rule_node *node, list *out)
     return done;
 }
 
-/* ---- functions of one list --------------------------------------------------------------------------------------------- */
+/* ---- functions of one list --------------------------------------------------------------------------------------- */
 
 /* Takes out what is missing; y goes with x, or is NULL. */
 static void compact(judge *j, list *x, list *y)
@@ -219,9 +228,10 @@ static bool summarise(judge *j, ssfr_rule_function function, list *l, list *out)
     qsort(l->values, l->n, sizeof *l->values, compare_numbers);
     const double *v = l->values;
     const double median = (v[(l->n - 1) / 2] + v[l->n / 2]) / 2;
-    const double value = function == SSFR_RULE_max   ? v[l->n - 1]
-                         : function == SSFR_RULE_min ? v[0]
-                         : function == SSFR_RULE_mean ? mean_of(l) : median;
+    const double value = function == SSFR_RULE_max    ? v[l->n - 1]
+                         : function == SSFR_RULE_min  ? v[0]
+                         : function == SSFR_RULE_mean ? mean_of(l)
+                                                      : median;
     return make_single(j, out, value);
 }
 
@@ -239,7 +249,7 @@ static bool map(judge *j, ssfr_rule_function function, const list *l, list *out)
     return true;
 }
 
-/* ---- functions of y over x ----------------------------------------------------------------------------------------------- */
+/* ---- functions of y over x --------------------------------------------------------------------------------------- */
 
 static bool slope(judge *j, const list *y, const list *x, list *out)
 {
@@ -300,7 +310,7 @@ static bool eval_trend(judge *j, const ssfr_rule_node *call, list *out)
     return done;
 }
 
-/* ---- ratios -------------------------------------------------------------------------------------------------------------- */
+/* ---- ratios ------------------------------------------------------------------------------------------------------ */
 
 /* The rows are alike in all columns before the status but one. */
 static bool is_pair(const list *a, size_t i, const list *b, size_t k, int n_keys, int varied)
@@ -345,7 +355,7 @@ static bool eval_ratio(judge *j, const ssfr_rule_node *call, list *out)
     return done;
 }
 
-/* ---- all of it ----------------------------------------------------------------------------------------------------------- */
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
 
 static bool eval_list_function(judge *j, const ssfr_rule_node *call, list *out)
 {

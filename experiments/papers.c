@@ -109,7 +109,7 @@ end:
     return result;
 }
 
-/* ---- inside the program: the build sorts the files, so that those of a paper follow each other --------------------- */
+/* ---- inside the program: the build sorts the files, so that those of a paper follow each other ------------------- */
 
 static ssfr_result list_files(ssfr_papers *papers)
 {

@@ -2,8 +2,8 @@
 /* papers.h: which papers can be reproduced: folders of sweeps and claims, on disk or inside the program.
  *
  * A folder with a claims.yaml is a paper, each other .yaml in it an item, and published/ holds the paper's own tables.
- * Where ./experiments holds papers, as in the source tree, these are read: what is edited is what is run. Elsewhere it is
- * those that the program was built with, so that it reproduces them without any file. The two are never mixed. */
+ * Where ./experiments holds papers, as in the source tree, these are read: what is edited is what is run. Elsewhere it
+ * is those that the program was built with, so that it reproduces them without any file. The two are never mixed. */
 #ifndef SSFR_PAPERS_H
 #define SSFR_PAPERS_H
 

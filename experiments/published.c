@@ -34,8 +34,8 @@ static ssfr_result check_rows(const ssfr_published *p, const char *path)
         for (int i = 0; i < p->spec->n_on; i++) cells[i] = ssfr_csv_cell(p->table, row, p->on[i]);
         for (size_t before = 0; before < row; before++)
             if (row_has(p, before, cells))
-                return ssfr_fail(SSFR_ERR_FORMAT, "%s: published: rows %zu and %zu of %s have the same %s", p->spec->where,
-                                 before + 1, row + 1, path, p->spec->on[0]);
+                return ssfr_fail(SSFR_ERR_FORMAT, "%s: published: rows %zu and %zu of %s have the same %s",
+                                 p->spec->where, before + 1, row + 1, path, p->spec->on[0]);
     }
     return SSFR_OK;
 }

@@ -323,9 +323,10 @@ ssfr_result ssfr_sweep_spec_pipeline(ssfr_sweep_spec *spec, const char *name)
 /* "640x360" to "320x180"; what is no size is left to those who check sizes. */
 static void halve(const char *size, char *text, size_t n)
 {
-    int width = 0, height = 0, length = 0;
-    if (sscanf(size, "%dx%d%n", &width, &height, &length) == 2 && size[length] == '\0')
-        snprintf(text, n, "%dx%d", ssfr_max_int(width / 2, 1), ssfr_max_int(height / 2, 1));
+    char *end = NULL;
+    const long width = strtol(size, &end, 10), height = *end == 'x' ? strtol(end + 1, &end, 10) : 0;
+    if (width > 0 && height > 0 && *end == '\0')
+        snprintf(text, n, "%ldx%ld", width > 1 ? width / 2 : 1, height > 1 ? height / 2 : 1);
     else
         snprintf(text, n, "%s", size);
 }
@@ -609,7 +610,8 @@ static ssfr_result read_on(const ssfr_yaml_node *node, const ssfr_yaml_row *row,
     ssfr_result result = SSFR_OK;
     (void)row;
     if (node->kind == SSFR_YAML_TEXT || node->n == 0)
-        return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "on: expected a list of columns, or a map of the paper's to the sweep's");
+        return ssfr_yaml_fail(node, SSFR_ERR_FORMAT,
+                              "on: expected a list of columns, or a map of the paper's to the sweep's");
     for (size_t i = 0; i < node->n; i++)
         SSFR_TRY(add_on(to, node->kind == SSFR_YAML_MAP ? node->keys[i] : node->values[i], node->values[i]));
 end:

@@ -115,8 +115,8 @@ SSFR_MUST ssfr_result ssfr_sweep_spec_reference_text(ssfr_sweep_spec *spec, cons
  * reference, one backend; the backend comes last. */
 SSFR_MUST ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec);
 
-/* Makes a complete spec what it is at quick scale: what its `quick` says, and half the width and height unless that says
- * a size. */
+/* Makes a complete spec what it is at quick scale: what its `quick` says, and half the width and height unless that
+ * says a size. */
 SSFR_MUST ssfr_result ssfr_sweep_spec_quicken(ssfr_sweep_spec *spec);
 
 /* The axis of that key, NULL when there is none. */

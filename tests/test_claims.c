@@ -113,11 +113,11 @@ static void a_claim_holds_or_not(void **state)
     assert_cell(folder, 0, "unit", "ms");
     assert_cell(folder, 0, "rule", "max(tab1.ms) <= 3");
     assert_cell(folder, 0, "holds", "yes");
-    assert_cell(folder, 0, "note", "in a dry place; 1 values are missing and left out");
+    assert_cell(folder, 0, "note", "in a dry place; missing values left out: 1");
     assert_cell(folder, 1, "holds", "no");
     assert_cell(folder, 1, "measured", "4");
     assert_cell(folder, 1, "unit", "1");
-    assert_cell(folder, 1, "note", "compared with 2.5; 1 values are missing and left out");
+    assert_cell(folder, 1, "note", "compared with 2.5; missing values left out: 1");
 }
 
 static void a_missing_table_is_not_measured(void **state)

@@ -8,7 +8,7 @@ static const char flow_text[] = "method,steps,status,ms [ms],error_deg\n"
                                 "old,0,ok,2.5,40\n"
                                 "old,10,ok,5,20\n"
                                 "old,20,ok,7.5,10\n"
-                                "new,0,ok,2,40\n"
+                                "new,0,ran,2,40\n"
                                 "new,10,no memory,999,999\n"
                                 "new,20,ok,3,NaN\n"
                                 "a b,(1),ok,0,-3\n";
@@ -214,7 +214,8 @@ static void a_slope_is_that_of_the_line(void **state)
     assert_value(state, "slope(flow.ms, flow.steps, method=old)", 0.25);
     assert_value(state, "slope(flow.error_deg, flow.steps, method=old)", -1.5);
     assert_value(state, "slope(log(flow.error_deg), flow.steps, method=old)", -log(2) / 10);
-    assert_not_measured(state, "slope(flow.ms, flow.steps, method=old, steps=10)", "two rows with numbers, there are 1");
+    assert_not_measured(state, "slope(flow.ms, flow.steps, method=old, steps=10)",
+                        "two rows with numbers, there are 1");
     assert_not_measured(state, "slope(flow.ms, flow.steps, steps=0)", "all at 0");
     assert_not_measured(state, "slope(flow.ms, bare.ms)", "of different rows");
 }

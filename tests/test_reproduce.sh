@@ -45,8 +45,15 @@ vary: {curvature_flow.step: 0.5}
 quick: {title: Smaller still, size: 16x8, set: {curvature_flow.iterations: 3}, vary: {curvature_flow.step: "0.5,0.7"}}
 END
 cat >experiments/tiny/claims.yaml <<'END'
-- {id: work, where: Tab. 1, statement: steps are work, published: yes, rule: "monotone(tab1.taps, tab1.curvature_flow.iterations) == 1"}
-- {id: none, where: Tab. 1, statement: steps are free, rule: "slope(tab1.taps, tab1.curvature_flow.iterations) <= 0"}
+- id: work
+  where: Tab. 1
+  statement: steps are work
+  published: a little
+  rule: monotone(tab1.taps, tab1.curvature_flow.iterations) == 1
+- id: none
+  where: Tab. 1
+  statement: steps are free
+  rule: slope(tab1.taps, tab1.curvature_flow.iterations) <= 0
 - {id: later, where: Fig. 3, statement: to be measured, rule: max(fig3.ms) < 1}
 - {id: slower, where: Tab. 1, statement: than published, rule: min(tab1.published_ms) >= 14}
 END
@@ -67,7 +74,8 @@ that 'alone' [ "$(ls results/tiny | tr '\n' ' ')" = 'tab1.csv tab1.meta.json tab
 that 'with all its runs' [ "$(cells results/tiny/tab1.csv status)" = 'ok ok ok ' ]
 that 'at half the width' [ "$(column results/tiny/tab1.csv width | sort -u)" = 24 ]
 that 'and height' [ "$(column results/tiny/tab1.csv height | sort -u)" = 16 ]
-that 'the published numbers stand beside, as printed' [ "$(column results/tiny/tab1.csv published_ms)" = "$(printf '14\n15.50\n')" ]
+that 'the published numbers stand beside, as printed' \
+    [ "$(column results/tiny/tab1.csv published_ms)" = "$(printf '14\n15.50\n')" ]
 that 'and a row without a partner has an empty cell' [ "$(tail -n 1 results/tiny/tab1.csv | grep -c ',$')" -eq 1 ]
 that 'its metadata say at which scale' grep -q '"scale": "quick"' results/tiny/tab1.meta.json
 that 'claims are held to it' [ "$(holds work) $(holds none) $(holds slower)" = 'yes no yes' ]
@@ -141,7 +149,7 @@ refuses 'claims are no item' 'tiny/claims: no such item' reproduce tiny/claims
 refuses 'a scale is one of two' '--scale huge: expected quick|full' reproduce --scale huge
 cp experiments/tiny/claims.yaml keep.yaml
 sed 's/<= 0/<= /' keep.yaml >experiments/tiny/claims.yaml
-refuses 'a rule that is none has its place' 'experiments/tiny/claims.yaml:2:' reproduce tiny/fig2
+refuses 'a rule that is none has its place' 'experiments/tiny/claims.yaml:9:61: expected a number' reproduce tiny/fig2
 cp keep.yaml experiments/tiny/claims.yaml
 cp experiments/tiny/tab1.yaml keep.yaml
 broken() { sed "$1" keep.yaml >experiments/tiny/tab1.yaml; }
@@ -155,7 +163,8 @@ refuses 'so is a value that is out of range' 'curvature_flow.iterations=-2: out 
 broken 's/tab1.csv/tab9.csv/'
 refuses 'published numbers must be there' 'experiments/tiny/published/tab9.csv' reproduce tiny
 broken 's/column: ms/column: s/'
-refuses 'with the column' 'tab1.yaml:7:1: published: experiments/tiny/published/tab1.csv has no column s' reproduce tiny
+refuses 'with the column' 'tab1.yaml:7:1: published: experiments/tiny/published/tab1.csv has no column s' \
+    reproduce tiny
 broken 's/place: scene/plaice: scene/'
 refuses 'and those that they are joined by' 'tab1.csv has no column plaice' reproduce tiny
 broken 's/place: scene/place: scenery/'
@@ -185,7 +194,8 @@ leaves 0 'without papers here, those of the program are listed' reproduce --list
 that 'with their items' grep -q '^vanderlaan2009	truth	' out
 that 'all of the source tree' [ "$(sed 1d out | cut -f2 | sort)" = "$(names | sort)" ]
 leaves 0 'their claims are known' reproduce vanderlaan2009 --claims
-that 'without tables not measured' [ "$(grep -c ',not measured,' results/claims.csv)" -eq "$(($(wc -l <results/claims.csv) - 1))" ]
+that 'without tables not measured' \
+    [ "$(grep -c ',not measured,' results/claims.csv)" -eq "$(($(wc -l <results/claims.csv) - 1))" ]
 cd .. || exit 2
 
 finish
