@@ -221,8 +221,8 @@ static ssfr_result run_item(const reproduction *r, size_t i)
     SSFR_TRY(make_folders(r, it->paper->name));
     SSFR_TRY(ssfr_sweep_run(it->spec, &options));
     if (ssfr_interrupt_came() && i + 1 < r->n_items)
-        result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu items; the same command goes on from there", i + 1,
-                           r->n_items);
+        result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu items; the same command goes on from there",
+                           i + 1, r->n_items);
 end:
     return result;
 }

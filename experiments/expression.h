@@ -13,8 +13,8 @@
  *
  *      max min mean median count       of a list, a number
  *      abs log                         of each value; the logarithm is natural
- *      ratio(list, key=a, key=b)       a over b, for each pair of rows that is else of the same keys: those columns that
- *                                      stand before `status`
+ *      ratio(list, key=a, key=b)       a over b, for each pair of rows that is else of the same keys: the columns before
+ *                                      `status`
  *      slope(y, x)                     of the line by least squares
  *      monotone(y, x)                  1: y never falls and somewhere rises with x; -1: the reverse; 0: neither */
 #ifndef SSFR_EXPRESSION_H

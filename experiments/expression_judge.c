@@ -1,5 +1,4 @@
-        same = c == varied ||
-               strcmp(ssfr_csv_cell(a->table, a->rows[i], c), ssfr_csv_cell(b->table, b->rows[k], c)) == 0;/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 /* expression_judge.c: what a rule's tree says of tables. */
 #include "experiments/expression_internal.h"
 
@@ -317,7 +316,8 @@ static bool is_pair(const list *a, size_t i, const list *b, size_t k, int n_keys
 {
     bool same = true;
     for (int c = 0; c < n_keys && same; c++)
-        same = c == varied || strcmp(ssfr_csv_cell(a->table, a->rows[i], c), ssfr_csv_cell(b->table, b->rows[k], c)) == 0;
+        same = c == varied ||
+               strcmp(ssfr_csv_cell(a->table, a->rows[i], c), ssfr_csv_cell(b->table, b->rows[k], c)) == 0;
     return same;
 }
 

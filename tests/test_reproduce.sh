@@ -133,7 +133,7 @@ for signal in KILL TERM; do
 done
 that 'being stopped is an error' [ $status -eq 2 ]
 that 'which says how to go on' grep -q \
-    '^ssfr reproduce: other/long, 1 of 1: interrupted after [0-9]* of [0-9]* runs; the same command goes on from there$' err
+    '^ssfr reproduce: other/long, 1 of 1: interrupted after [0-9]* of [0-9]* runs; the same command goes on' err
 that 'in one line' [ "$(lines err)" -eq 1 ]
 leaves 0 'the same command goes on' reproduce other --max-time 0.05
 that 'to every row once' [ "$(sed 1d results/other/long.csv | cut -d, -f1 | sort -nu | wc -l)" -eq 30 ]
@@ -149,15 +149,15 @@ refuses 'claims are no item' 'tiny/claims: no such item' reproduce tiny/claims
 refuses 'a scale is one of two' '--scale huge: expected quick|full' reproduce --scale huge
 cp experiments/tiny/claims.yaml keep.yaml
 sed 's/<= 0/<= /' keep.yaml >experiments/tiny/claims.yaml
-refuses 'a rule that is none has its place' 'experiments/tiny/claims.yaml:9:61: expected a number' reproduce tiny/fig2
+refuses 'a rule that is none has its place' 'experiments/tiny/claims.yaml:9:60: expected a number' reproduce tiny/fig2
 cp keep.yaml experiments/tiny/claims.yaml
 cp experiments/tiny/tab1.yaml keep.yaml
 broken() { sed "$1" keep.yaml >experiments/tiny/tab1.yaml; }
 broken 's/vary/very/'
 refuses 'so has a sweep that is none' 'experiments/tiny/tab1.yaml:5:1: no key very' reproduce tiny
 broken 's/y: ms_median/y: ms_medium/'
-refuses 'a figure that cannot be drawn is found out at once' 'experiments/tiny/tab1.yaml:6:1: plot: the table will have no column ms_medium' \
-    reproduce tiny
+refuses 'a figure that cannot be drawn is found out at once' \
+    'experiments/tiny/tab1.yaml:6:1: plot: the table will have no column ms_medium' reproduce tiny
 broken 's/0:4:2/-2:4:2/'
 refuses 'so is a value that is out of range' 'curvature_flow.iterations=-2: out of range' reproduce tiny
 broken 's/tab1.csv/tab9.csv/'
