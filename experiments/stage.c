@@ -229,7 +229,9 @@ ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options
                                 .solids = stage->solids,
                                 .n_solids = place_solids(stage),
                                 .floor = choose_floor(stage),
-                                .environment = stage->environment};
+                                .environment = stage->environment,
+                                .timed = isfinite(stage->time),
+                                .time = stage->time};
     SSFR_TRY(ssfr_stage_aim(stage, options));
 end:
     return result;

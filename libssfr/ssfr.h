@@ -343,6 +343,9 @@ typedef struct ssfr_scene {
     const ssfr_solid *solids;
     int n_solids;     /* [0, SSFR_MAX_SOLIDS] */
     double floor;     /* m, world y of the ground plane; -inf for none */
+    bool timed;       /* the frame is one of a sequence, at `time`: what passes keep from frame to frame goes on from the
+                       * last frame run, when its time was not later; else a lone frame, without history */
+    double time;      /* s; of no meaning unless timed */
     const ssfr_field *environment; /* NULL: the procedural sky. Linear radiance from all directions, 3 channels, laid
                                     * out as OpenEXR's latitude-longitude maps: row 0 looks up (+y), the middle column
                                     * along +z, and +x is a quarter from the left. A graph takes it anew when its
@@ -458,10 +461,18 @@ typedef struct ssfr_run_options {
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene,
                                               const ssfr_run_options *options);
 
+/* Plays a frame that is not drawn: runs the nodes that compute values of particles, so that those that keep something
+ * from frame to frame have seen it. There is nothing to read until the next run. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_advance(ssfr_graph *graph, const ssfr_scene *scene);
+
 /* A slot of the last frame as a new field. A slot that was left out gives a 1x1 field of its neutral value. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_field **out);
+/* The same of a slot that holds values of particles: of each of *n particles as many as the slot has channels, in the order
+ * of scene.particles. *n is 1 where all have the neutral value. The graph's, or the particles', until the next run. */
+SSFR_API SSFR_MUST ssfr_result ssfr_graph_read_values(const ssfr_graph *graph, const char *slot, size_t *n,
+                                                      const float **values);
 
-/* The i-th slot that this pipeline writes, NULL past the end. */
+/* The i-th image slot that this pipeline writes, NULL past the end. */
 SSFR_API const char *ssfr_graph_slot_at(const ssfr_graph *graph, int i);
 /* A slot's EXR channel names ("Z", "R,G,B", "N.X,N.Y,N.Z") and unit; NULL when there is no such slot. */
 SSFR_API const char *ssfr_slot_channels(const char *slot);

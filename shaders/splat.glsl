@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: MIT
 // splat.glsl: where this pixel's ray meets the particle's sphere. The twin is libssfr/passes/splat_cpu.c.
 
+#ifdef SIZES
+flat in float v_radius; // m
+#define RADIUS v_radius
+#else
 uniform float u_radius; // m
+#define RADIUS u_radius
+#endif
 
 #ifdef EXACT
 flat in vec3 v_centre;
@@ -34,10 +40,10 @@ Fragment meet_sphere()
     float dd = dot(d, d), t = dot(d, v_centre) / dd;
     vec3 p = t * d - v_centre;
     float r = length(p);
-    if (r > u_radius) discard;
-    float rise = sqrt((u_radius - r) * (u_radius + r) / dd);
-    f.at = vec2(p.x, -p.y) / u_radius;
-    f.r2 = r / u_radius * (r / u_radius);
+    if (r > RADIUS) discard;
+    float rise = sqrt((RADIUS - r) * (RADIUS + r) / dd);
+    f.at = vec2(p.x, -p.y) / RADIUS;
+    f.r2 = r / RADIUS * (r / RADIUS);
     f.front = -(t - rise);
     f.back = -(t + rise);
     f.chord = 2.0 * rise * sqrt(dd);
@@ -50,7 +56,7 @@ Fragment meet_sphere()
     float side = min(2.0 * max(v_disc.z, v_disc.w) + 2.0, u_max_point_px);
     if (2.0 * max(abs(away.x), abs(away.y)) > side) discard;
 #endif
-    float rise = u_radius * sqrt(1.0 - f.r2);
+    float rise = RADIUS * sqrt(1.0 - f.r2);
     f.front = v_z + rise;
     f.back = v_z - rise;
     f.chord = 2.0 * rise;

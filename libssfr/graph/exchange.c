@@ -27,6 +27,14 @@ static ssfr_result find_resource(const ssfr_graph *graph, const char *name, int 
     return SSFR_OK;
 }
 
+static ssfr_result find_image(const ssfr_graph *graph, const char *name, int *out)
+{
+    const ssfr_result result = find_resource(graph, name, out);
+    if (result == SSFR_OK && ssfr_slot_is_particles(graph->resources[*out].slot))
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: holds values of particles, not an image", name);
+    return result;
+}
+
 /* ---- asked for --------------------------------------------------------------------------------------------------- */
 
 ssfr_result ssfr_graph_want(ssfr_graph *graph, const char *slot)
@@ -88,7 +96,7 @@ ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_fi
 {
     ssfr_result result = SSFR_OK;
     int index;
-    SSFR_TRY(find_resource(graph, slot, &index));
+    SSFR_TRY(find_image(graph, slot, &index));
     resource *r = &graph->resources[index];
     if (!field) {
         r->is_given = false;
@@ -152,7 +160,7 @@ ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsig
     ssfr_result result = SSFR_OK;
     int index;
     ssfr_texture host;
-    SSFR_TRY(find_resource(graph, slot, &index));
+    SSFR_TRY(find_image(graph, slot, &index));
     SSFR_TRY(begin_host(graph, slot));
     resource *r = &graph->resources[index];
     if (texture) result = borrow(slot, texture, ssfr_slots[r->slot].channels, &host);
@@ -186,6 +194,9 @@ ssfr_result ssfr_graph_export_texture(ssfr_graph *graph, unsigned texture)
 {
     ssfr_result result = SSFR_OK;
     ssfr_texture host = {0};
+    if (ssfr_slot_is_particles(graph->pipeline->result))
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "export: %s holds values of particles, not an image",
+                         ssfr_slots[graph->pipeline->result].name);
     SSFR_TRY(begin_host(graph, "export"));
     if (texture) result = borrow_target("export", texture, ssfr_slots[graph->pipeline->result].channels, &host);
     if (result == SSFR_OK) graph->exported = host;
@@ -241,7 +252,8 @@ const char *ssfr_graph_slot_at(const ssfr_graph *graph, int i)
     const char *found = NULL;
     for (int slot = 1; slot < SSFR_N_SLOTS && !found; slot++) {
         const int last = graph->last[slot];
-        if (last >= 0 && graph->resources[last].writer >= 0 && i-- == 0) found = ssfr_slots[slot].name;
+        if (last < 0 || graph->resources[last].writer < 0 || ssfr_slot_is_particles((ssfr_slot_id)slot)) continue;
+        if (i-- == 0) found = ssfr_slots[slot].name;
     }
     return found;
 }
@@ -251,7 +263,7 @@ ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_fiel
     ssfr_result result = SSFR_OK;
     int index;
     *out = NULL;
-    SSFR_TRY(find_resource(graph, slot, &index));
+    SSFR_TRY(find_image(graph, slot, &index));
     if (!graph->ran) return ssfr_fail(SSFR_ERR_VALUE, "%s: no frame has been run", slot);
     const image *im = graph->resources[index].image;
     if (!graph->gl) {
@@ -262,6 +274,23 @@ ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_fiel
         result = ssfr_gl_end(graph->gl, result);
         if (result != SSFR_OK) ssfr_field_destroy(out);
     }
+end:
+    return result;
+}
+
+ssfr_result ssfr_graph_read_values(const ssfr_graph *graph, const char *slot, size_t *n, const float **values)
+{
+    ssfr_result result = SSFR_OK;
+    int index;
+    *n = 0;
+    *values = NULL;
+    SSFR_TRY(find_resource(graph, slot, &index));
+    const resource *r = &graph->resources[index];
+    if (!ssfr_slot_is_particles(r->slot))
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: holds an image, not values of particles", slot);
+    if (!graph->ran) return ssfr_fail(SSFR_ERR_VALUE, "%s: no frame has been run", slot);
+    *n = r->values.now.n;
+    *values = r->values.now.data;
 end:
     return result;
 }

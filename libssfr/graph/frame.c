@@ -477,6 +477,8 @@ static ssfr_result check_scene(ssfr_frame *frame, const ssfr_scene *scene)
         return ssfr_fail(SSFR_ERR_VALUE, "particle radius %g m: it must be positive", p->radius);
     if (p && p->n > INT32_MAX / 8)
         return ssfr_fail(SSFR_ERR_VALUE, "%zu particles, at most %d are drawn", p->n, INT32_MAX / 8);
+    if (scene->timed && !isfinite(scene->time))
+        return ssfr_fail(SSFR_ERR_VALUE, "a frame at %g s: expected a time, or a frame that is not timed", scene->time);
 end:
     return result;
 }

@@ -51,9 +51,13 @@ static ssfr_slot_id bound_slot(const ssfr_node *def, const ssfr_port *port)
 
 static ssfr_result check_port(const node *n, const ssfr_port *port, ssfr_slot_id id)
 {
+    static const char *const kinds[] = {[SSFR_IMAGE] = "images", [SSFR_PARTICLES] = "values of particles"};
     const ssfr_slot *slot = &ssfr_slots[id], *own = &ssfr_slots[port->slot];
     if (id == SSFR_NO_SLOT)
         return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: port %s is bound to no slot", n->name, port->name);
+    if (slot->kind != own->kind)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: port %s carries %s, slot %s %s", n->name, port->name, kinds[own->kind],
+                         slot->name, kinds[slot->kind]);
     if (slot->channels != own->channels)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: port %s takes %d channels, slot %s has %d", n->name, port->name,
                          own->channels, slot->name, slot->channels);
@@ -116,6 +120,7 @@ static ssfr_result add_node(ssfr_graph *graph, const ssfr_node *def)
     snprintf(n->name, sizeof n->name, "%s", def->name);
     SSFR_TRY(ssfr_alloc(&n->params, 1, pass->params_size, "parameters"));
     SSFR_TRY(ssfr_alloc(&n->coeffs, 1, pass->coeffs_size, "coefficients"));
+    if (pass->state_size) SSFR_TRY(ssfr_alloc(&n->state, 1, pass->state_size, "what a pass keeps"));
     ssfr_params_default(pass->params, n->params);
     for (const char *const *setting = def->settings; *setting; setting++) SSFR_TRY(apply_setting(n, *setting));
     SSFR_TRY(connect(graph, n, index));
@@ -152,6 +157,15 @@ end:
     return result;
 }
 
+static ssfr_result make_neutral_values(ssfr_graph *graph, ssfr_slot_id id)
+{
+    const ssfr_slot *slot = &ssfr_slots[id];
+    for (int k = 0; k < slot->channels; k++) graph->neutral_values[id][k] = (float)slot->neutral;
+    if (!graph->gl || graph->neutral_buffers[id]) return SSFR_OK;
+    return ssfr_buffer_create(graph->gl, &graph->neutral_buffers[id], (size_t)slot->channels * sizeof(float),
+                              graph->neutral_values[id], false);
+}
+
 static ssfr_result make_neutrals(ssfr_graph *graph)
 {
     ssfr_result result = SSFR_OK;
@@ -159,7 +173,8 @@ static ssfr_result make_neutrals(ssfr_graph *graph)
         const ssfr_slot_id id = graph->resources[i].slot;
         const ssfr_slot *slot = &ssfr_slots[id];
         image *im = &graph->neutral[id];
-        if (im->w) continue;
+        if (slot->kind == SSFR_PARTICLES) SSFR_TRY(make_neutral_values(graph, id));
+        if (slot->kind == SSFR_PARTICLES || im->w) continue;
         SSFR_TRY(ssfr_image_ensure(graph, im, 1, 1, slot->channels));
         const float value = (float)slot->neutral;
         if (graph->gl) ssfr_texture_clear(&im->texture, (const float[4]){value, value, value, value});
@@ -308,8 +323,11 @@ ssfr_result ssfr_graph_set(ssfr_graph *graph, const char *key, const char *value
     void *params = NULL;
     const ssfr_param *row = resolve(graph, key, 0, &params);
     if (!row) return fail_key(graph, key);
-    for (int i = 0; row && result == SSFR_OK; row = resolve(graph, key, ++i, &params))
+    for (int i = 0; row && result == SSFR_OK; row = resolve(graph, key, ++i, &params)) {
+        const double before = ssfr_param_number(row, params);
         result = ssfr_param_set(row, params, key, value);
+        if (ssfr_param_number(row, params) != before) ssfr_values_forget(graph, params);
+    }
     return result;
 }
 
@@ -382,6 +400,8 @@ static void destroy_gl(ssfr_graph *graph)
                                  &graph->solid_tiles, &graph->nodes_of_meshes, &graph->triangles, &graph->block,
                                  &graph->quads,       &graph->samples,         &graph->tiles_by_solids};
     for (size_t i = 0; i < SSFR_COUNT(buffers); i++) ssfr_buffer_destroy(buffers[i]);
+    for (int i = 0; i < SSFR_N_SLOTS; i++) ssfr_buffer_destroy(&graph->neutral_buffers[i]);
+    for (int i = 0; i < graph->n_resources; i++) ssfr_buffer_destroy(&graph->resources[i].values.buffer);
     ssfr_texture_finish(&graph->environment);
     if (graph->sampler) glDeleteSamplers(1, &graph->sampler);
     ssfr_timers_finish(&graph->timers);
@@ -410,6 +430,7 @@ void ssfr_graph_destroy(ssfr_graph **graph)
         const ssfr_result ended = ssfr_gl_end(g->gl, SSFR_OK);
         (void)ended; /* logged; there is nobody to tell */
     }
+    ssfr_values_finish(g);
     free(g->timers.queries); /* still there when the context is gone */
     for (int i = 0; i < g->n_nodes; i++) free(g->nodes[i].params), free(g->nodes[i].coeffs);
     for (int i = 0; i < g->n_keys && g->keys; i++) free(g->keys[i]);
@@ -420,12 +441,22 @@ void ssfr_graph_destroy(ssfr_graph **graph)
     *graph = NULL;
 }
 
-double ssfr_graph_reach(const ssfr_graph *graph)
+/* How much the values of particles widen a node's splats. */
+static double widening(ssfr_graph *graph, const node *n)
+{
+    double widening = 1;
+    for (int k = 0; k < n->n_in; k++)
+        if (n->pass->inputs[k].widens) widening *= fmax(ssfr_values_largest(&graph->resources[n->in[k]]), 1);
+    return widening;
+}
+
+double ssfr_graph_reach(ssfr_graph *graph, bool by_values)
 {
     double reach = 0;
     for (int i = 0; i < graph->n_nodes; i++) {
         const node *n = &graph->nodes[i];
-        if (n->pass->reach && !n->off) reach = fmax(reach, n->pass->reach(n->params));
+        if (!n->pass->reach || n->off) continue;
+        reach = fmax(reach, n->pass->reach(n->params) * (by_values ? widening(graph, n) : 1));
     }
     return reach;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* internal.h: the graph's own structures, shared by graph.c (what it is), exchange.c (what it is given and asked for),
- * plan.c (what to leave out) and run.c (doing it).
+ * values.c (values of particles), plan.c (what to leave out) and run.c (doing it).
  *
  *      nodes    in execution order, each with its pass, parameters and the resources it reads and writes
  *      resource one version of a slot: written by one node, or from outside
@@ -20,12 +20,30 @@ typedef struct image {
     ssfr_texture texture;
 } image;
 
+typedef struct particle_values { /* of a particle slot */
+    float *memory;       /* what its node wrote */
+    size_t capacity;     /* floats */
+    uint64_t written;    /* which contents that is; 0: all neutral */
+    size_t n_written;
+    /* of the frame being run */
+    ssfr_values now;
+    uint64_t key;        /* which contents; 0: the neutral value */
+    double largest;
+    uint64_t largest_key; /* whose largest value that is */
+    size_t n_seen;       /* particles in view with a value that is not 0 */
+    /* GL */
+    unsigned buffer;
+    size_t cap_buffer;   /* floats */
+    uint64_t buffer_key; /* which contents the buffer holds */
+} particle_values;
+
 typedef struct resource {
     ssfr_slot_id slot;
     int writer;     /* node, -1: nobody in this pipeline */
     bool asked;     /* the caller wants it */
     bool is_given;  /* the caller brings it */
     image own, given;
+    particle_values values;
     double nearest, mean; /* m, of a given depth's surface; 0: not known */
     /* of the frame being run */
     bool wanted;
@@ -34,11 +52,17 @@ typedef struct resource {
     const image *image;
 } resource;
 
+typedef struct played { /* what a particle node ran for last */
+    bool is, timed;
+    double time; /* s */
+    uint64_t serial, in[SSFR_MAX_VALUES];
+} played;
+
 typedef struct node {
     const ssfr_node *def;
     const ssfr_pass *pass;
     char name[64];
-    void *params, *coeffs;
+    void *params, *coeffs, *state;
     int off;
     int n_in, n_out;
     int in[SSFR_MAX_PORTS], out[SSFR_MAX_OUTPUTS]; /* resources */
@@ -49,6 +73,12 @@ typedef struct node {
     int locations[SSFR_MAX_PROGRAMS][SSFR_MAX_UNIFORMS];
     ssfr_run run;
     ssfr_draw draw;
+    /* of a particle node */
+    bool read;               /* somebody may want what it writes */
+    played played;
+    ssfr_node_status status; /* in the frame being run */
+    const char *why;
+    double ms;
 } node;
 
 typedef struct host_buffer { /* positions in the host's memory */
@@ -67,6 +97,8 @@ struct ssfr_graph {
     resource resources[SSFR_MAX_RESOURCES];
     int last[SSFR_N_SLOTS]; /* the last version of each slot, -1: not in this pipeline */
     image neutral[SSFR_N_SLOTS];
+    float neutral_values[SSFR_N_SLOTS][4];
+    unsigned neutral_buffers[SSFR_N_SLOTS];
     bool want_all;
     char **keys;
     ssfr_frame frame;
@@ -84,6 +116,7 @@ struct ssfr_graph {
     int n_meshes;
     uint64_t mesh_serials[SSFR_MAX_SOLIDS]; /* of the meshes that the buffers hold */
     uint64_t environment_key;      /* of the map that the texture holds */
+    uint64_t n_written;            /* contents of particle slots so far */
     ssfr_timers timers;
     long grew;                     /* allocations of the run in progress */
     bool ran;
@@ -95,6 +128,20 @@ struct ssfr_graph {
  * what is given does not fit the frame, or when a pass would read an image of another resolution than it works at. */
 SSFR_MUST ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all);
 
+/* Before the plan: runs the particle nodes that somebody may read, and gives all nodes their values. The frame must stand,
+ * for its particles and for what is in view. */
+SSFR_MUST ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all, bool timing);
+/* Counts the particles in view that have a value, once the frame's facts are final. */
+void ssfr_values_count(ssfr_graph *graph);
+/* The largest value of a slot, all particles counted. */
+double ssfr_values_largest(resource *r);
+/* The node's history ends: a parameter has changed. */
+void ssfr_values_forget(ssfr_graph *graph, const void *params);
+void ssfr_values_finish(ssfr_graph *graph);
+static inline bool ssfr_slot_is_particles(ssfr_slot_id slot) { return ssfr_slots[slot].kind == SSFR_PARTICLES; }
+/* The index of the j-th port of `ports` that carries values of particles, -1 past the last. */
+int ssfr_port_of_values(const ssfr_port *ports, int j);
+
 /* An image of this size and kind; remade only when it differs. */
 SSFR_MUST ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c);
 void ssfr_image_finish(image *im);
@@ -105,7 +152,8 @@ SSFR_MUST ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const
 /* The index of a port, -1 when there is none of that name or the name is NULL. */
 int ssfr_port_find(const ssfr_port *ports, const char *name);
 
-/* How far the splats of any node that is not off reach, in particle radii; 0 without one. */
-double ssfr_graph_reach(const ssfr_graph *graph);
+/* How far the splats of any node that is not off reach, in particle radii; 0 without one. by_values: with the largest of
+ * the frame's values that widen them, where these are over 1. */
+double ssfr_graph_reach(ssfr_graph *graph, bool by_values);
 
 #endif

@@ -3,7 +3,8 @@
 #include "graph/graph.h"
 
 const ssfr_slot ssfr_slots[SSFR_N_SLOTS] = {
-#define X(name, channels, exr, unit, neutral, help) [SSFR_SLOT_##name] = {#name, channels, exr, unit, neutral, help},
+#define X(kind, name, channels, exr, unit, neutral, help) \
+    [SSFR_SLOT_##name] = {kind, #name, channels, exr, unit, neutral, help},
 #include "graph/slots.def"
 #undef X
 };

@@ -12,17 +12,24 @@
 #include "graph/frame.h"
 
 enum { SSFR_MAX_PORTS = 12, SSFR_MAX_OUTPUTS = 4, SSFR_MAX_SCRATCH = 2, SSFR_MAX_PROGRAMS = 4,
+       SSFR_MAX_VALUES = 4, /* ports of a pass that carry values of particles */
        SSFR_DEFINES = 64 /* bytes */ };
 
 typedef enum ssfr_slot_id {
     SSFR_NO_SLOT, /* a port that is not named in a node keeps its own slot */
-#define X(name, channels, exr, unit, neutral, help) SSFR_SLOT_##name,
+#define X(kind, name, channels, exr, unit, neutral, help) SSFR_SLOT_##name,
 #include "graph/slots.def"
 #undef X
     SSFR_N_SLOTS
 } ssfr_slot_id;
 
+typedef enum ssfr_slot_kind {
+    SSFR_IMAGE,
+    SSFR_PARTICLES, /* values of each particle */
+} ssfr_slot_kind;
+
 typedef struct ssfr_slot {
+    ssfr_slot_kind kind;
     const char *name;
     int channels;
     const char *exr, *unit;
@@ -34,7 +41,22 @@ extern const ssfr_slot ssfr_slots[SSFR_N_SLOTS];
 ssfr_slot_id ssfr_slot_find(const char *name); /* SSFR_NO_SLOT when there is none */
 bool ssfr_slot_is_fluid(ssfr_slot_id slot);    /* a depth that says where fluid is */
 
-/* A port carries images like those of `slot` (channels, neutral value), which is also its binding by default. */
+/* What a particle slot holds: `c` values of each of n particles, in their packed order. They are floats, as particles
+ * are: then the scene's own arrays are read where they stand, and both twins read the same bits. */
+typedef struct ssfr_values {
+    size_t n;
+    int c;
+    bool same;         /* one entry for all particles: the slot's neutral value; n is 1 */
+    const float *data; /* n c */
+} ssfr_values;
+
+static inline const float *ssfr_values_at(const ssfr_values *v, size_t i)
+{
+    return v->data + (v->same ? 0 : i * (size_t)v->c);
+}
+
+/* A port carries images like those of `slot` (channels, neutral value), which is also its binding by default, or values
+ * of particles. */
 typedef struct ssfr_port {
     const char *name; /* NULL ends a list; the sampler is t_<name> */
     ssfr_slot_id slot;
@@ -43,6 +65,7 @@ typedef struct ssfr_port {
     const char *like; /* the input whose size it has; NULL for the frame's */
     const char *from; /* the input that takes its place when the node is left out; NULL for the neutral value */
     const char *over; /* the input that the output begins as, to be drawn over; NULL: the neutral value */
+    bool widens;      /* inputs of values: they multiply how far a particle's splat reaches */
 } ssfr_port;
 
 /* A coefficient that the shaders see as a uniform: `n` doubles at `offset` of the coefficients become float, vec2..
@@ -68,6 +91,13 @@ typedef struct ssfr_run {
     const ssfr_field *in[SSFR_MAX_PORTS];
     ssfr_field *out[SSFR_MAX_OUTPUTS];
     ssfr_field *scratch[SSFR_MAX_SCRATCH];
+    /* Ports that carry values of particles are counted apart: the j-th of them is values[j], and NULL is past the last. */
+    const ssfr_values *values[SSFR_MAX_VALUES];
+    size_t n_valued[SSFR_MAX_VALUES]; /* particles in view with a value there that is not 0; not for particles_run */
+    /* particles_run */
+    float *values_out[SSFR_MAX_OUTPUTS]; /* for frame->particles */
+    void *state;  /* state_size bytes, zeroed at first, kept from run to run */
+    double dt;    /* s, from 0: since the frame that this node ran for last; NaN: there is no history to go on from */
     /* the GPU twin; what these point to is in gl/ */
     struct ssfr_draw *draw;
 } ssfr_run;
@@ -103,6 +133,12 @@ struct ssfr_pass {
     double (*reach)(const void *params);
 
     void (*cpu_run)(const ssfr_run *run);
+
+    /* In the place of cpu_run and programs: the pass reads and writes values of particles alone. It runs on the CPU on
+     * both backends, before anything is planned, and not again for the same particles, time and parameters. */
+    ssfr_result (*particles_run)(const ssfr_run *run);
+    size_t state_size;
+    void (*state_finish)(void *state);
 
     ssfr_program_row programs[SSFR_MAX_PROGRAMS + 1];
     /* Lines after #version in the place of the row's, by what the frame needs of program i; false: it does not run in

@@ -79,6 +79,7 @@ static void stand_in(ssfr_graph *graph, const node *n)
 static ssfr_node_status decide(const ssfr_graph *graph, const node *n, bool keep_all, const char **why)
 {
     int n_wanted = 0, n_given = 0;
+    if (n->pass->particles_run) return *why = n->why, n->status;
     for (int k = 0; k < n->n_out; k++) {
         const resource *out = &graph->resources[n->out[k]];
         n_given += out->is_given;
@@ -127,6 +128,7 @@ static ssfr_result check_inputs(const ssfr_graph *graph, const node *n)
 {
     for (int k = 0; k < n->n_in; k++) {
         int divisor;
+        if (ssfr_slot_is_particles(n->pass->inputs[k].slot)) continue;
         source(graph, n->in[k], &divisor);
         const ssfr_port *in = &n->pass->inputs[k];
         const bool scales = in->any_size && (n->pass->shrink || divisor > n->run.divisor);

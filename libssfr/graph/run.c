@@ -344,10 +344,32 @@ static ssfr_result fill_draw(ssfr_graph *graph, node *n)
         SSFR_TRY(begin_texture(graph, n, 0, draw->scratch[k]));
     }
     for (int k = 0; k < n->n_in; k++) {
+        if (ssfr_slot_is_particles(n->pass->inputs[k].slot)) continue;
         draw->in[k] = &graph->resources[n->in[k]].image->texture;
         ssfr_draw_bind(draw, k, draw->in[k]);
     }
     n->run.draw = draw;
+end:
+    return result;
+}
+
+/* Values of particles are uploaded when a node draws with them, once. */
+static ssfr_result bind_values(ssfr_graph *graph, const node *n)
+{
+    ssfr_result result = SSFR_OK;
+    for (int j = 0, k; (k = ssfr_port_of_values(n->pass->inputs, j)) >= 0; j++) {
+        resource *r = &graph->resources[n->in[k]];
+        particle_values *v = &r->values;
+        const size_t size = v->now.n * (size_t)v->now.c;
+        if (!v->now.same && v->buffer_key != v->key) {
+            v->buffer_key = 0;
+            SSFR_TRY(grow(graph, &v->buffer, &v->cap_buffer, size, sizeof(float)));
+            if (size) glNamedBufferSubData(v->buffer, 0, (GLsizeiptr)(size * sizeof(float)), v->now.data);
+            v->buffer_key = v->key;
+        }
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, (GLuint)(SSFR_BIND_VALUES + j),
+                         v->now.same ? graph->neutral_buffers[r->slot] : v->buffer);
+    }
 end:
     return result;
 }
@@ -369,6 +391,7 @@ static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
     ssfr_gl_push(graph->gl, n->pass->name);
     if (n->pass->uses_ids) SSFR_TRY(upload_ids(graph));
     bind_shared(graph);
+    SSFR_TRY(bind_values(graph, n));
     SSFR_TRY(fill_draw(graph, n));
     SSFR_TRY(fit_programs(graph, n));
     for (int i = 0; n->pass->programs[i].vert; i++) set_uniforms(n, i);
@@ -385,14 +408,24 @@ static double covered_px(const ssfr_graph *graph, const node *n)
     return n->pass->whole_screen ? px : px * graph->frame.facts.covered;
 }
 
+/* The neutral value is no more than a uniform. */
+static double values_bytes(const particle_values *v)
+{
+    return v->now.same ? 0 : (double)sizeof(float) * v->now.c * (double)v->now.n;
+}
+
 /* One sweep that reads each input and writes each output once; the pass knows better where that is wrong. */
 static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report *report)
 {
     const double px = covered_px(graph, n);
     report->iterations = 1;
-    report->taps = n->pass->taps > 0 ? n->pass->taps : n->n_in;
+    report->taps = n->pass->taps;
     for (int k = 0; k < n->n_in; k++) {
         const resource *r = &graph->resources[n->in[k]];
+        const bool values = ssfr_slot_is_particles(r->slot);
+        if (values) report->bytes += values_bytes(&r->values);
+        if (values) continue;
+        if (n->pass->taps == 0) report->taps++;
         report->bytes += 4.0 * ssfr_slots[r->slot].channels * px * ssfr_square((double)n->run.divisor / r->divisor);
     }
     for (int k = 0; k < n->n_out; k++)
@@ -436,18 +469,27 @@ static void note_given_fluid(ssfr_graph *graph)
     }
 }
 
-static ssfr_result prepare(ssfr_graph *graph, const ssfr_scene *scene, bool keep_all)
+static ssfr_result prepare_frame(ssfr_graph *graph, const ssfr_scene *scene, double reach, bool keep_all)
 {
-    ssfr_result result = SSFR_OK;
     const host_buffer *h = &graph->host;
-    const double reach = ssfr_graph_reach(graph);
     if (h->buffer && scene->particles)
         return ssfr_fail(SSFR_ERR_VALUE, "particles: both the scene's and a buffer's (%u) are given", h->buffer);
     if (h->buffer)
-        SSFR_TRY(ssfr_frame_prepare_host(&graph->frame, scene, &graph->world, h->n, h->origin, h->radius,
-                                         keep_all, &graph->grew));
-    else
-        SSFR_TRY(ssfr_frame_prepare(&graph->frame, scene, &graph->world, reach, keep_all, &graph->grew));
+        return ssfr_frame_prepare_host(&graph->frame, scene, &graph->world, h->n, h->origin, h->radius, keep_all,
+                                       &graph->grew);
+    return ssfr_frame_prepare(&graph->frame, scene, &graph->world, reach, keep_all, &graph->grew);
+}
+
+/* Values may widen splats: only then what is in view is found a second time. */
+static ssfr_result prepare(ssfr_graph *graph, const ssfr_scene *scene, const ssfr_run_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    const double reach = ssfr_graph_reach(graph, false);
+    SSFR_TRY(prepare_frame(graph, scene, reach, options->keep_all));
+    SSFR_TRY(ssfr_values_run(graph, options->keep_all, options->timing));
+    const double wide = ssfr_graph_reach(graph, true);
+    if (wide > reach) SSFR_TRY(prepare_frame(graph, scene, wide, options->keep_all));
+    ssfr_values_count(graph);
     note_given_fluid(graph);
 end:
     return result;
@@ -468,7 +510,8 @@ static ssfr_result run_nodes(ssfr_graph *graph, bool timing)
 {
     ssfr_result result = SSFR_OK;
     for (int i = 0; i < graph->n_nodes; i++)
-        if (graph->reports[i].status == SSFR_RAN) SSFR_TRY(run_node(graph, i, timing));
+        if (graph->reports[i].status == SSFR_RAN && !graph->nodes[i].pass->particles_run)
+            SSFR_TRY(run_node(graph, i, timing));
 end:
     return result;
 }
@@ -482,7 +525,8 @@ static ssfr_result run_frame_on_gpu(ssfr_graph *graph, bool timing)
     if (result == SSFR_OK) result = copy_export(graph);
     glFinish();
     for (int i = 0; i < graph->n_nodes && timing && result == SSFR_OK; i++)
-        if (graph->reports[i].status == SSFR_RAN) graph->reports[i].ms = ssfr_timers_ms(&graph->timers, i);
+        if (graph->reports[i].status == SSFR_RAN && !graph->nodes[i].pass->particles_run)
+            graph->reports[i].ms = ssfr_timers_ms(&graph->timers, i);
     result = ssfr_gl_end(graph->gl, result);
 end:
     return result;
@@ -505,6 +549,28 @@ static double image_bytes(const ssfr_graph *graph)
     return bytes + (double)sizeof(float) * 4 * graph->environment.w * graph->environment.h;
 }
 
+/* Particle nodes have run before the plan made the reports. */
+static void report_values(ssfr_graph *graph, bool timing)
+{
+    for (int i = 0; i < graph->n_nodes; i++) {
+        const node *n = &graph->nodes[i];
+        ssfr_node_report *report = &graph->reports[i];
+        if (!n->pass->particles_run || report->status != SSFR_RAN) continue;
+        if (timing) report->ms = n->ms;
+        report->iterations = 1;
+        for (int k = 0; k < n->n_in; k++) report->bytes += values_bytes(&graph->resources[n->in[k]].values);
+        for (int k = 0; k < n->n_out; k++) report->bytes += values_bytes(&graph->resources[n->out[k]].values);
+    }
+}
+
+ssfr_result ssfr_graph_advance(ssfr_graph *graph, const ssfr_scene *scene)
+{
+    static const ssfr_run_options plain = {0};
+    graph->ran = false;
+    graph->grew = 0;
+    return prepare(graph, scene, &plain);
+}
+
 ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene, const ssfr_run_options *options)
 {
     static const ssfr_run_options plain = {0};
@@ -514,8 +580,9 @@ ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene, const ssf
     const long before = graph->gl ? ssfr_gl_allocations(graph->gl) : 0;
     graph->ran = false;
     graph->grew = 0;
-    SSFR_TRY(prepare(graph, scene, o->keep_all));
+    SSFR_TRY(prepare(graph, scene, o));
     SSFR_TRY(ssfr_plan(graph, o->keep_all));
+    report_values(graph, o->timing);
     graph->report.cpu_ms = 1e3 * (ssfr_clock() - start);
     if (graph->gl) SSFR_TRY(run_frame_on_gpu(graph, o->timing));
     else SSFR_TRY(run_nodes(graph, o->timing));

@@ -17,6 +17,15 @@ void ssfr_splat_derive(const ssfr_run *run, void *coeffs)
     splat->by_distance = p->size == SSFR_SIZE_DISTANCE;
 }
 
+bool ssfr_splat_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
+{
+    static const char *const forms[] = {"POINT", "QUAD", "EXACT"};
+    const ssfr_splat_params *p = run->params;
+    text[0] = '\0';
+    if (!run->values[0]->same) snprintf(text, SSFR_DEFINES, "#define %s\n#define SIZES\n", forms[i]);
+    return i == p->form;
+}
+
 double ssfr_splat_reach(const void *params)
 {
     return ((const ssfr_splat_params *)params)->radius_scale;
@@ -24,7 +33,7 @@ double ssfr_splat_reach(const void *params)
 
 bool ssfr_splat_needed(const ssfr_run *run)
 {
-    return run->frame->facts.n_particles > 0;
+    return run->frame->facts.n_particles > 0 && (!run->values[0] || run->n_valued[0] > 0);
 }
 
 void ssfr_splat_work(const ssfr_run *run, ssfr_node_report *report)

@@ -42,6 +42,11 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
     {"u_max_point_px", offsetof(ssfr_splat, max_point_px), 1},       \
     {"u_by_distance", offsetof(ssfr_splat, by_distance), 0}
 
+/* The port of a pass that draws particles each at its own size: the first that carries values. */
+#define SSFR_SPLAT_SIZE_PORT {"size", SSFR_SLOT_water_size, .widens = true}
+/* `defines` of such a pass: programs that read no sizes where there are none. */
+bool ssfr_splat_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES]);
+
 /* The three programs of a pass that splats: its fragment shader under each form; more: further defines. */
 #define SSFR_SPLAT_PROGRAMS(frag, more)                                                                               \
     {                                                                                                                 \
@@ -52,7 +57,7 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
 void ssfr_splat_derive(const ssfr_run *run, void *coeffs);
 double ssfr_splat_reach(const void *params);
 bool ssfr_splat_needed(const ssfr_run *run);
-#define SSFR_SPLAT_NEEDLESS "no particle in view"
+#define SSFR_SPLAT_NEEDLESS "no particle to draw in view"
 void ssfr_splat_work(const ssfr_run *run, ssfr_node_report *report);
 
 /* gl_run of passes that keep the nearest fragment, and of those that add all up. */

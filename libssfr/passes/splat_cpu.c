@@ -88,11 +88,21 @@ static void cut_front(ssfr_fragment *frag, double near)
     frag->front = near;
 }
 
-static void splat_particle(const ssfr_run *run, const ssfr_splat *splat, size_t i, int y0, int y1,
-                           ssfr_splat_shade *shade)
+/* What all particles share, for one of its own size; false when that is 0. */
+static bool size_splat(const ssfr_run *run, size_t i, ssfr_splat *splat)
 {
+    const double size = run->values[0] ? (double)*ssfr_values_at(run->values[0], i) : 1;
+    *splat = *(const ssfr_splat *)run->coeffs;
+    splat->radius *= size;
+    return size > 0;
+}
+
+static void splat_particle(const ssfr_run *run, size_t i, int y0, int y1, ssfr_splat_shade *shade)
+{
+    ssfr_splat sized, *const splat = &sized;
     footprint f;
     ssfr_fragment frag = {.particle = i};
+    if (!size_splat(run, i, splat)) return;
     const bool exact = splat->form == SSFR_SPLAT_EXACT;
     ssfr_frame_eye(run->frame, i, f.centre);
     if (!(exact ? place_outline(run, splat, &f) : place_disc(run, splat, &f))) return;
@@ -110,11 +120,10 @@ static void splat_particle(const ssfr_run *run, const ssfr_splat *splat, size_t 
 void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade)
 {
     enum { BAND = 32 }; /* rows; a band belongs to one thread, so each pixel sees the particles in order */
-    const ssfr_splat *splat = run->coeffs;
     const ssfr_facts *facts = &run->frame->facts;
 #pragma omp parallel for schedule(dynamic)
     for (int y = 0; y < run->h; y += BAND)
         for (int k = 0; k < facts->n_ranges; k++)
             for (int i = facts->first[k]; i < facts->first[k] + facts->count[k]; i++)
-                splat_particle(run, splat, (size_t)i, y, ssfr_min_int(y + BAND, run->h), shade);
+                splat_particle(run, (size_t)i, y, ssfr_min_int(y + BAND, run->h), shade);
 }

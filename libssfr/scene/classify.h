@@ -10,4 +10,7 @@ SSFR_MUST ssfr_result ssfr_particles_need(const ssfr_particles *particles, const
 
 extern const ssfr_param ssfr_weber_rows[];
 
+/* As after ssfr_weber_create, with parameters that hold to their rows, but for the memory, which is kept. */
+void ssfr_weber_restart(ssfr_weber *weber, const ssfr_weber_params *params);
+
 #endif

@@ -318,6 +318,13 @@ void ssfr_weber_destroy(ssfr_weber **weber)
     *weber = NULL;
 }
 
+void ssfr_weber_restart(ssfr_weber *weber, const ssfr_weber_params *params)
+{
+    weber->params = *params;
+    weber->started = weber->nameless = false;
+    weber->n = 0;
+}
+
 ssfr_result ssfr_weber_step(ssfr_weber *weber, const ssfr_particles *particles, double dt, float *foam,
                             unsigned char *phase)
 {

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* weber_foam.c: water turns to foam, and back, by its Weber number (libssfr/scene/weber.c). */
+#include "passes/weber_foam.h"
+#include "scene/classify.h"
+
+static bool needed(const ssfr_run *run)
+{
+    return !run->values[0]->same && !run->values[1]->same;
+}
+
+static void finish(void *state)
+{
+    ssfr_weber_foam_state *s = state;
+    ssfr_weber_destroy(&s->weber);
+}
+
+const ssfr_pass ssfr_weber_foam = {
+    .name = "weber_foam",
+    .source = "Bagar 2010, secs 3.2.1 and 4.2, listings A.1 and A.2",
+    .help = "tells how much of each particle is foam, from its Weber number and what it was in the frame before",
+    .inputs = {{"velocity", SSFR_SLOT_velocity}, {"density", SSFR_SLOT_density}},
+    .outputs = {{"foam", SSFR_SLOT_foam}},
+    .params = ssfr_weber_rows,
+    .params_size = sizeof(ssfr_weber_params),
+    .needed = needed,
+    .needless = "the particles have no velocity or no density",
+    .particles_run = ssfr_weber_foam_run,
+    .state_size = sizeof(ssfr_weber_foam_state),
+    .state_finish = finish,
+};
