@@ -210,7 +210,7 @@ static ssfr_result check_scene(check *c, const char *scene, const ssfr_stage_opt
     for (int i = 0; ssfr_pass_at(i); i++) {
         const ssfr_pass *pass = ssfr_pass_at(i);
         char corner[CORNER_SIZE] = "";
-        if (c->only && pass != c->only) continue;
+        if ((c->only && pass != c->only) || pass->particles_run) continue; /* these have one form for both */
         ssfr_console_progress("check", done++, total);
         for (int k = 0; ssfr_corner_at(pass, k, corner, sizeof corner) && (k == 0 || c->o->corners); k++)
             SSFR_TRY(compare(c, pass, stage, corner));
@@ -268,6 +268,9 @@ int ssfr_cmd_check(int argc, char **argv)
     if (line.help) goto end;
     stage_options.seed = (uint64_t)line.seed;
     if (line.arguments.n) SSFR_TRY(ssfr_setup_find_pass(&c.only, line.arguments.items[0]));
+    if (c.only && c.only->particles_run)
+        SSFR_TRY(ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: works on particles, on the CPU for both backends: it has no twin",
+                           c.only->name));
     SSFR_TRY(check_settings(&c));
     if (options.dump) SSFR_TRY(ssfr_output_check_folder(options.dump));
     if (options.dump) SSFR_TRY(ssfr_output_make_folder(options.dump));

@@ -157,6 +157,7 @@ static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const fi
     *in = (inputs){0};
     SSFR_TRY(ssfr_exr_channels(file, &channels));
     for (int k = 0; pass->inputs[k].name; k++) {
+        if (ssfr_slots[pass->inputs[k].slot].kind != SSFR_IMAGE) continue;
         const source from = find_source(pass, k, options, file, channels);
         if (from.file) SSFR_TRY(import(graph, &pass->inputs[k], &from, options, in));
     }
@@ -257,6 +258,8 @@ static ssfr_result check(const filter_options *options, const ssfr_pass *pass)
     ssfr_result result = SSFR_OK;
     if (!options->output) return ssfr_fail(SSFR_ERR_VALUE, "nowhere to write: give -o FILE.exr");
     SSFR_TRY(ssfr_output_check_image(options->output, false));
+    if (pass->particles_run)
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: works on particles and filters no image", pass->name);
     if (pass->reach || !pass->inputs[0].name)
         return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: draws a scene and filters no image: use render", pass->name);
     SSFR_TRY(check_planes(options));

@@ -4,6 +4,8 @@
 #include "tests/counted_memory.h"
 #include "tests/frames.h"
 
+#include "graph/graph.h"
+
 static void start_counting(long failing)
 {
     n_made = 0;
@@ -95,6 +97,41 @@ static void other_particles_of_the_same_number_cost_one_upload(void **state)
     test_scene_destroy(&other);
 }
 
+/* Foam and sizes from densities, in the usual scene. */
+static const ssfr_pipeline foamy = {
+    .name = "foamy", .source = "test", .help = "test", .result = SSFR_SLOT_fluid_depth,
+    .nodes = {{"weber_foam", .settings = {"threshold=500"}}, {"sparse"}, {"sphere_depth"}},
+};
+
+static void give_quantities(test_scene *s)
+{
+    ssfr_particles *p = s->particles;
+    uint64_t seed = 7;
+    assert_int_equal(ssfr_alloc(&p->velocity, 3 * p->n, sizeof *p->velocity, "velocities"), SSFR_OK);
+    assert_int_equal(ssfr_alloc(&p->density, p->n, sizeof *p->density, "densities"), SSFR_OK);
+    for (size_t i = 0; i < 3 * p->n; i++) p->velocity[i] = (float)test_random(&seed, -1, 1);
+    for (size_t i = 0; i < p->n; i++) p->density[i] = (float)test_random(&seed, 100, 1100);
+}
+
+static void values_of_particles_allocate_nothing_after_the_first_frame(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene scenes[2];
+    for (int i = 0; i < 2; i++) test_scene_create_usual(&scenes[i], 96, 64), give_quantities(&scenes[i]);
+    ssfr_graph *graph = test_graph(&foamy, gl);
+    run_and_count(graph, &scenes[0].scene, NULL);
+    for (int i = 0; i < 4; i++) {
+        ssfr_scene *scene = &scenes[i % 2].scene;
+        scene->timed = i > 1;
+        scene->time = 0.1 * i;
+        assert_int_equal(run_and_count(graph, scene, NULL), 0);
+        assert_int_equal(ssfr_graph_report(graph)->allocations, *state ? i > 0 : 0); /* positions of other particles */
+        assert_int_equal(test_graph_node(graph, "sphere_depth")->status, SSFR_RAN);
+    }
+    ssfr_graph_destroy(&graph);
+    for (int i = 0; i < 2; i++) test_scene_destroy(&scenes[i]);
+}
+
 /* ---- running out of memory --------------------------------------------------------------------------------------- */
 
 /* One error line for a failure, none else. */
@@ -104,19 +141,19 @@ static void assert_failed_once(ssfr_result result)
     test_assert_logged("no memory for", __FILE__, __LINE__);
 }
 
-static void running_out_anywhere_in_making_and_running_a_graph_is_an_error(void **state)
+static void run_out_everywhere(const ssfr_pipeline *pipeline, int least_in_create, int least_in_run)
 {
-    (void)state;
     test_scene s;
     test_scene_create_usual(&s, 37, 23);
     test_scene_add_shapes(&s);
+    give_quantities(&s);
     const long live = n_live;
     bool failed = true;
     int n_in_create = 0, n_in_run = 0;
     for (int n = 0; failed; n++) {
         ssfr_graph *graph = NULL;
         start_counting(n);
-        ssfr_result result = ssfr_graph_create(&graph, ssfr_pipeline_at(0), NULL);
+        ssfr_result result = ssfr_graph_create(&graph, pipeline, NULL);
         n_in_create += result != SSFR_OK;
         if (result == SSFR_OK) {
             result = ssfr_graph_run(graph, &s.scene, NULL);
@@ -130,8 +167,15 @@ static void running_out_anywhere_in_making_and_running_a_graph_is_an_error(void 
         ssfr_graph_destroy(&graph);
         assert_int_equal(n_live, live);
     }
-    assert_true(n_in_create > 60 && n_in_run > 10);
+    assert_true(n_in_create > least_in_create && n_in_run > least_in_run);
     test_scene_destroy(&s);
+}
+
+static void running_out_anywhere_in_making_and_running_a_graph_is_an_error(void **state)
+{
+    (void)state;
+    run_out_everywhere(ssfr_pipeline_at(0), 60, 10);
+    run_out_everywhere(&foamy, 30, 12);
 }
 
 /* The programs of shaders are kept, so each round comes further than the last. */
@@ -283,6 +327,7 @@ int main(void)
         ON_BOTH(a_frame_allocates_nothing_after_the_first),
         ON_BOTH(parameters_of_the_same_sizes_allocate_nothing),
         ON_BOTH(other_particles_of_the_same_number_cost_one_upload),
+        ON_BOTH(values_of_particles_allocate_nothing_after_the_first_frame),
         cmocka_unit_test(running_out_anywhere_in_making_and_running_a_graph_is_an_error),
         cmocka_unit_test(running_out_on_the_gpu_is_an_error),
         cmocka_unit_test(running_out_while_a_context_is_made_is_an_error),

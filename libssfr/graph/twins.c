@@ -122,6 +122,8 @@ ssfr_result ssfr_twins_compare(const ssfr_pass *pass, const ssfr_scene *scene, s
     const node *at = NULL;
     ssfr_field *cpu[SSFR_MAX_OUTPUTS] = {0}, *gpu[SSFR_MAX_OUTPUTS] = {0};
     *n_rows = 0;
+    if (pass->particles_run)
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: works on particles: it has no twin", pass->name);
     SSFR_TRY(make_inputs(pass, scene, &source, &at));
     SSFR_TRY(run_twin(pass, NULL, scene, source, at, settings, cpu));
     SSFR_TRY(run_twin(pass, gl, scene, source, at, settings, gpu));
