@@ -178,6 +178,8 @@ accepts 'a pass on a depth image' filter normals dump/surface_depth.exr -o norma
 accepts 'gives what the pipeline gives' compare normals.exr dump/normal.exr --require 'normal_max_deg<=0.001'
 refuses 'a pass without an output' 'nowhere to write' filter normals block.exr --backend cpu
 refuses 'a pass that draws' 'draws a scene' filter sphere_depth block.exr -o a.exr --backend cpu
+refuses 'a pass on particles' 'sparse: works on particles and filters no image' filter sparse block.exr -o a.exr --backend cpu
+refuses 'a check of a pass on particles' 'sparse: works on particles, on the CPU for both backends' check sparse
 refuses 'an unknown pass to run' 'blur: no such pass' filter blur block.exr -o a.exr --backend cpu
 refuses 'an image without what the pass reads' 'normals reads depth (Z)' \
     filter normals dump/color.exr -o n.exr --backend cpu

@@ -102,6 +102,7 @@ static void the_users_camera_is_taken_as_it_is(void **state)
     for (int k = 0; k < 3; k++) assert_close(camera->back[k], back[k], 1e-14, 0);
     assert_close(camera->tan_y, tan(acos(-1) / 6), 1e-14, 0);
     assert_close(camera->tan_x, camera->tan_y * 1280 / 720, 1e-14, 0);
+    assert_false(stage->scene.timed); /* one picture */
     ssfr_stage_destroy(&stage);
 }
 
@@ -317,6 +318,7 @@ static void a_frame_has_its_particles_solids_and_time(void **state)
     assert_int_equal(ssfr_stage_show(stage, &options, 2), SSFR_OK);
     assert_close(stage->solids[0].centre[0], -0.7, 1e-12, 0);
     assert_close(stage->time, 0.1, 1e-15, 0);
+    assert_true(stage->scene.timed && stage->scene.time == stage->time);
     ssfr_stage_destroy(&stage);
 }
 

@@ -134,6 +134,8 @@ static void a_setting_that_a_pass_does_not_have_is_refused(void **state)
     assert_fails(SSFR_ERR_UNKNOWN, ssfr_twins_compare(pass, &stage->scene, gl, unknown, rows, &n), "speed");
     assert_int_equal(n, 0);
     assert_fails(SSFR_ERR_VALUE, ssfr_twins_compare(pass, &stage->scene, gl, wild, rows, &n), "iterations=-1");
+    assert_fails(SSFR_ERR_UNSUPPORTED, ssfr_twins_compare(ssfr_pass_find("sparse"), &stage->scene, gl, NULL, rows, &n),
+                 "sparse: works on particles: it has no twin");
     ssfr_stage_destroy(&stage);
     ssfr_gl_destroy(&gl);
 }

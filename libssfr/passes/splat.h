@@ -44,7 +44,7 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
 
 /* The port of a pass that draws particles each at its own size: the first that carries values. */
 #define SSFR_SPLAT_SIZE_PORT {"size", SSFR_SLOT_water_size, .widens = true}
-/* `defines` of such a pass: programs that read no sizes where there are none. */
+/* `defines` of such a pass, whose programs have no further ones: no sizes are read where there are none. */
 bool ssfr_splat_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES]);
 
 /* The three programs of a pass that splats: its fragment shader under each form; more: further defines. */
