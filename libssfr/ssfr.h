@@ -343,8 +343,8 @@ typedef struct ssfr_scene {
     const ssfr_solid *solids;
     int n_solids;     /* [0, SSFR_MAX_SOLIDS] */
     double floor;     /* m, world y of the ground plane; -inf for none */
-    bool timed;       /* the frame is one of a sequence, at `time`: what passes keep from frame to frame goes on from the
-                       * last frame run, when its time was not later; else a lone frame, without history */
+    bool timed;       /* the frame is one of a sequence, at `time`: what passes keep from frame to frame goes on,
+                       * where the last frame was timed and not later; else a lone one, without history */
     double time;      /* s; of no meaning unless timed */
     const ssfr_field *environment; /* NULL: the procedural sky. Linear radiance from all directions, 3 channels, laid
                                     * out as OpenEXR's latitude-longitude maps: row 0 looks up (+y), the middle column
@@ -467,8 +467,9 @@ SSFR_API SSFR_MUST ssfr_result ssfr_graph_advance(ssfr_graph *graph, const ssfr_
 
 /* A slot of the last frame as a new field. A slot that was left out gives a 1x1 field of its neutral value. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_field **out);
-/* The same of a slot that holds values of particles: of each of *n particles as many as the slot has channels, in the order
- * of scene.particles. *n is 1 where all have the neutral value. The graph's, or the particles', until the next run. */
+/* The same of a slot that holds values of particles: of each of *n particles as many as the slot has channels, in the
+ * order of scene.particles. *n is 1 where all have the neutral value. They are the graph's, or the
+ * particles', and valid until its next run. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_read_values(const ssfr_graph *graph, const char *slot, size_t *n,
                                                       const float **values);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* test_particle_values.c: values of particles reach what is drawn, on both twins; what nodes keep from frame to frame. */
+/* test_particle_values.c: values of particles reach what is drawn, on both twins; what nodes keep between frames. */
 #include "tests/pass_util.h"
 
 #include "graph/internal.h"
@@ -110,7 +110,8 @@ static ssfr_result run_frame(test_twin *t)
 
 /* ---- what is drawn ----------------------------------------------------------------------------------------------- */
 
-static const double places[][3] = {{-0.3, 0.2, -1.1}, {0.2, 0.1, -1}, {0, -0.2, -0.9}, {0.3, -0.2, -1.4}, {-0.2, -0.2, -1.2}};
+static const double places[][3] = {
+    {-0.3, 0.2, -1.1}, {0.2, 0.1, -1}, {0, -0.2, -0.9}, {0.3, -0.2, -1.4}, {-0.2, -0.2, -1.2}};
 static const float place_sizes[] = {1, 0.5f, 0, 1.75f, 0.25f};
 
 static void depth_is_that_of_spheres_of_their_own_radii(void **state)

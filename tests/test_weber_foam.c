@@ -20,7 +20,8 @@ static ssfr_particles *make(int frame, bool with_ids)
             velocity[3 * i + k] = (float)test_random(&seed, -2, 2);
         }
     }
-    const ssfr_particles given = {.radius = 0.02, .velocity = velocity, .density = density, .id = with_ids ? ids : NULL};
+    const ssfr_particles given = {.radius = 0.02, .velocity = velocity, .density = density,
+                                  .id = with_ids ? ids : NULL};
     assert_int_equal(ssfr_particles_create(&particles, N, positions, &given), SSFR_OK);
     return particles;
 }

@@ -105,6 +105,16 @@ static ssfr_result apply_setting(node *n, const char *setting)
     return ssfr_param_set(row, n->params, name, setting + length + (setting[length] == '='));
 }
 
+/* What a pass may declare. */
+static void check_ports(const ssfr_pass *pass)
+{
+    assert(ssfr_port_of_values(pass->inputs, SSFR_MAX_VALUES) < 0);
+    for (const ssfr_port *in = pass->inputs; in->name; in++)
+        assert(!pass->particles_run || ssfr_slot_is_particles(in->slot));
+    for (const ssfr_port *out = pass->outputs; out->name; out++)
+        assert(ssfr_slot_is_particles(out->slot) == (pass->particles_run != NULL));
+}
+
 static ssfr_result add_node(ssfr_graph *graph, const ssfr_node *def)
 {
     ssfr_result result = SSFR_OK;
@@ -115,6 +125,7 @@ static ssfr_result add_node(ssfr_graph *graph, const ssfr_node *def)
     for (int i = 0; i < index; i++)
         if (strcmp(graph->nodes[i].name, def->name) == 0)
             return ssfr_fail(SSFR_ERR_VALUE, "%s: two nodes are named %s", graph->pipeline->name, def->name);
+    check_ports(pass);
     *n = (node){.def = def, .pass = pass};
     graph->n_nodes++;
     snprintf(n->name, sizeof n->name, "%s", def->name);

@@ -30,6 +30,7 @@ typedef struct particle_values { /* of a particle slot */
     uint64_t key;        /* which contents; 0: the neutral value */
     double largest;
     uint64_t largest_key; /* whose largest value that is */
+    bool is_counted;
     size_t n_seen;       /* particles in view with a value that is not 0 */
     /* GL */
     unsigned buffer;
@@ -128,8 +129,8 @@ struct ssfr_graph {
  * what is given does not fit the frame, or when a pass would read an image of another resolution than it works at. */
 SSFR_MUST ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all);
 
-/* Before the plan: runs the particle nodes that somebody may read, and gives all nodes their values. The frame must stand,
- * for its particles and for what is in view. */
+/* Before the plan: runs the particle nodes that somebody may read, and gives all nodes their values. The frame must
+ * stand, for its particles. */
 SSFR_MUST ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all, bool timing);
 /* Counts the particles in view that have a value, once the frame's facts are final. */
 void ssfr_values_count(ssfr_graph *graph);
@@ -152,8 +153,8 @@ SSFR_MUST ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const
 /* The index of a port, -1 when there is none of that name or the name is NULL. */
 int ssfr_port_find(const ssfr_port *ports, const char *name);
 
-/* How far the splats of any node that is not off reach, in particle radii; 0 without one. by_values: with the largest of
- * the frame's values that widen them, where these are over 1. */
+/* How far the splats of any node that is not off reach, in particle radii; 0 without one. by_values: with the largest
+ * of the frame's values that widen them, where these are over 1. */
 double ssfr_graph_reach(ssfr_graph *graph, bool by_values);
 
 #endif

@@ -91,9 +91,9 @@ typedef struct ssfr_run {
     const ssfr_field *in[SSFR_MAX_PORTS];
     ssfr_field *out[SSFR_MAX_OUTPUTS];
     ssfr_field *scratch[SSFR_MAX_SCRATCH];
-    /* Ports that carry values of particles are counted apart: the j-th of them is values[j], and NULL is past the last. */
+    /* Ports that carry values of particles are counted apart: the j-th is values[j]; NULL past the last. */
     const ssfr_values *values[SSFR_MAX_VALUES];
-    size_t n_valued[SSFR_MAX_VALUES]; /* particles in view with a value there that is not 0; not for particles_run */
+    size_t n_valued[SSFR_MAX_VALUES]; /* particles in view with a value that is not 0; not for particles_run */
     /* particles_run */
     float *values_out[SSFR_MAX_OUTPUTS]; /* for frame->particles */
     void *state;  /* state_size bytes, zeroed at first, kept from run to run */

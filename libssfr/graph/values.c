@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* values.c: values of particles: the nodes that compute them, before the plan, and what they keep from frame to frame. */
+/* values.c: values of particles: the nodes that compute them, before the plan, and what these keep between frames. */
 #include "graph/internal.h"
 
 int ssfr_port_of_values(const ssfr_port *ports, int j)
@@ -127,18 +127,22 @@ static size_t count_seen(const ssfr_frame *frame, const ssfr_values *values)
 static void count_resource(const ssfr_graph *graph, resource *r)
 {
     const ssfr_slot *slot = &ssfr_slots[r->slot];
+    r->values.is_counted = true;
     if (!r->values.now.same) r->values.n_seen = count_seen(&graph->frame, &r->values.now);
     else r->values.n_seen = slot->neutral != 0 ? graph->frame.facts.n_particles : 0;
 }
 
 void ssfr_values_count(ssfr_graph *graph)
 {
-    for (int i = 0; i < graph->n_resources; i++)
-        if (ssfr_slot_is_particles(graph->resources[i].slot)) count_resource(graph, &graph->resources[i]);
+    for (int i = 0; i < graph->n_resources; i++) graph->resources[i].values.is_counted = false;
     for (int i = 0; i < graph->n_nodes; i++) {
         node *n = &graph->nodes[i];
-        for (int j = 0, k; (k = ssfr_port_of_values(n->pass->inputs, j)) >= 0; j++)
-            n->run.n_valued[j] = graph->resources[n->in[k]].values.n_seen;
+        if (!n->read || n->pass->particles_run) continue;
+        for (int j = 0, k; (k = ssfr_port_of_values(n->pass->inputs, j)) >= 0; j++) {
+            resource *r = &graph->resources[n->in[k]];
+            if (!r->values.is_counted) count_resource(graph, r);
+            n->run.n_valued[j] = r->values.n_seen;
+        }
     }
 }
 
