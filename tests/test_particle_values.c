@@ -45,10 +45,10 @@ static void finish_probe(void *state)
     probe.n_finished += *(int *)state;
 }
 
-/* In the place of `sparse`, with its ports and parameters. */
+static ssfr_pass pass; /* in the place of `sparse`, with its ports and parameters */
+
 static void put_probe(test_twin *t)
 {
-    static ssfr_pass pass;
     pass = *ssfr_pass_find("sparse");
     pass.particles_run = run_probe;
     pass.needed = NULL;
@@ -221,6 +221,36 @@ static void particles_of_size_0_need_no_drawing(void **state)
     assert_int_equal(status_of(t, 1), SSFR_RAN);
 }
 
+/* At a pixel's very centre, where a disc without a radius would be 0 / 0. */
+static void sizes_that_are_not_positive_draw_nothing(void **state)
+{
+    static const char *const forms[] = {"point", "quad", "exact"};
+    static const float sizes[] = {0, -1, NAN};
+    for (size_t k = 0; k < SSFR_COUNT(forms) * SSFR_COUNT(sizes); k++) {
+        test_twin *t = test_twin_create_for(state, &sized, W + 1, H + 1); /* with a middle pixel */
+        put_probe(t);
+        probe.sizes[0] = sizes[k % SSFR_COUNT(sizes)];
+        place(t, 1, (const double[][3]){{0, 0, -1}}, 0.05);
+        test_twin_set(t, "sphere_depth.splat", "%s", forms[k / SSFR_COUNT(sizes)]);
+        test_twin_set(t, "thickness.splat", "%s", forms[k / SSFR_COUNT(sizes)]);
+        const ssfr_field *depth = test_twin_run(t, "fluid_depth"), *thickness = test_twin_run(t, "thickness");
+        for (int i = 0; i < depth->w * depth->h; i++)
+            assert_true(depth->data[i] < -SSFR_SURFACE && thickness->data[i] == 0);
+    }
+}
+
+static void other_sizes_of_the_same_particles_are_drawn(void **state)
+{
+    test_twin *t = with_probe(state), *other = test_twin_create_for(state, &plain, W, H);
+    place_one(t, 0.1);
+    for (int i = 1; i <= 3; i++) {
+        probe.sizes[0] = (float)i;
+        test_twin_set(t, "sparse.point_shrink", "%g", 0.1 * i); /* or the node would not run again */
+        place_one(other, 0.1 * i);
+        assert_true(test_difference(test_twin_run(t, "fluid_depth"), test_twin_run(other, "fluid_depth")) < 1e-6);
+    }
+}
+
 static void the_twins_agree_on_sizes(void **state)
 {
     static const char *const forms[] = {"point", "quad", "exact"};
@@ -265,6 +295,24 @@ static void a_particle_node_is_left_out_when_nobody_reads_it(void **state)
     assert_int_equal(ssfr_graph_run(t->graph, &t->scene, &(ssfr_run_options){.keep_all = true}), SSFR_OK);
     assert_int_equal(status_of(t, 0), SSFR_NEEDLESS);
     assert_int_equal(probe.n_runs, n); /* never for the same particles */
+}
+
+static void a_particle_node_that_is_off_may_give_its_input_on(void **state)
+{
+    test_twin *t = test_twin_create(state, "sparse", W, H);
+    const float *values;
+    size_t n;
+    put_probe(t);
+    pass.outputs[0].from = "density";
+    place_one(t, 0.2);
+    give_density(t, 700);
+    test_twin_set(t, "off", "1");
+    assert_int_equal(run_frame(t), SSFR_OK);
+    assert_int_equal(ssfr_graph_read_values(t->graph, "water_size", &n, &values), SSFR_OK);
+    assert_ptr_equal(values, t->scene.particles->density);
+    assert_int_equal(ssfr_graph_read_values(t->graph, "spray_size", &n, &values), SSFR_OK);
+    assert_true(n == 1 && *values == 0);
+    assert_int_equal(probe.n_runs, 0);
 }
 
 static void reports_tell_time_and_bytes_of_a_particle_node(void **state)
@@ -452,8 +500,11 @@ int main(void)
         TEST_TWINS(what_is_left_out_changes_no_bit),
         TEST_TWINS(sizes_over_one_reach_into_the_view),
         TEST_TWINS(particles_of_size_0_need_no_drawing),
+        TEST_TWINS(sizes_that_are_not_positive_draw_nothing),
+        TEST_TWINS(other_sizes_of_the_same_particles_are_drawn),
         TEST_GPU(the_twins_agree_on_sizes),
         TEST_TWINS(a_particle_node_is_left_out_when_nobody_reads_it),
+        TEST_TWINS(a_particle_node_that_is_off_may_give_its_input_on),
         TEST_TWINS(reports_tell_time_and_bytes_of_a_particle_node),
         TEST_TWINS(a_node_does_not_run_twice_for_the_same),
         TEST_TWINS(a_node_learns_the_time_since_the_last_frame),
