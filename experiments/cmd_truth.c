@@ -5,6 +5,7 @@
 #include "experiments/csv.h"
 #include "experiments/output.h"
 #include "experiments/param_table.h"
+#include "experiments/setup.h"
 #include "experiments/truth/estimate.h"
 #include "experiments/truth/truth_file.h"
 
@@ -54,11 +55,9 @@ typedef struct call {
 static ssfr_result set_one(ssfr_truth_params *params, const char *setting)
 {
     char key[256];
-    const size_t length = strcspn(setting, "=");
-    if (!setting[length] || length == 0 || length >= sizeof key)
-        return ssfr_fail(SSFR_ERR_VALUE, "--set %s: expected KEY=VALUE", setting);
-    snprintf(key, sizeof key, "%.*s", (int)length, setting);
-    return ssfr_truth_set(params, key, setting + length + 1);
+    const char *value;
+    const ssfr_result result = ssfr_setup_split(setting, key, &value);
+    return result == SSFR_OK ? ssfr_truth_set(params, key, value) : result;
 }
 
 /* The defaults, the scene's, the user's: the last counts. */

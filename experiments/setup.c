@@ -51,14 +51,22 @@ ssfr_result ssfr_setup_find_pass(const ssfr_pass **out, const char *name)
     return *out ? SSFR_OK : fail_unknown("pass", name, pass_name_at);
 }
 
+ssfr_result ssfr_setup_split(const char *setting, char key[256], const char **value)
+{
+    const size_t length = strcspn(setting, "=");
+    if (!setting[length] || length == 0 || length >= 256)
+        return ssfr_fail(SSFR_ERR_VALUE, "--set %s: expected KEY=VALUE", setting);
+    snprintf(key, 256, "%.*s", (int)length, setting);
+    *value = setting + length + 1;
+    return SSFR_OK;
+}
+
 static ssfr_result apply_one(ssfr_graph *graph, const char *setting)
 {
     char key[256];
-    const size_t length = strcspn(setting, "=");
-    if (!setting[length] || length == 0 || length >= sizeof key)
-        return ssfr_fail(SSFR_ERR_VALUE, "--set %s: expected KEY=VALUE", setting);
-    snprintf(key, sizeof key, "%.*s", (int)length, setting);
-    return ssfr_graph_set(graph, key, setting + length + 1);
+    const char *value;
+    const ssfr_result result = ssfr_setup_split(setting, key, &value);
+    return result == SSFR_OK ? ssfr_graph_set(graph, key, value) : result;
 }
 
 /* Sets each "key=value" of the list. */

@@ -28,6 +28,9 @@ typedef struct ssfr_setup {
 SSFR_MUST ssfr_result ssfr_setup_find_pipeline(const ssfr_pipeline **out, const char *name);
 SSFR_MUST ssfr_result ssfr_setup_find_pass(const ssfr_pass **out, const char *name);
 
+/* "KEY=VALUE" of --set: its key to key[256], its value stays where it is. */
+SSFR_MUST ssfr_result ssfr_setup_split(const char *setting, char key[256], const char **value);
+
 /* The settings of a scene file; those of passes that this graph has not are left alone. */
 SSFR_MUST ssfr_result ssfr_setup_apply_scene(ssfr_graph *graph, const ssfr_description *description);
 

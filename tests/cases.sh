@@ -34,6 +34,12 @@ refuses() {
     then ok "$name"; else bad "$name" "status $status, wanted 2 and: $text" "$(cat err)"; fi
 }
 
+# accepts NAME ARGS: leaves with 0.
+accepts() {
+    name=$1; shift; run "$@"
+    if [ $status -eq 0 ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
+}
+
 # that NAME COMMAND: the shell command holds.
 that() {
     name=$1; shift

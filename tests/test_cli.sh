@@ -5,12 +5,6 @@
 test=cli
 . "$(dirname "$0")/cases.sh"
 
-# accepts NAME ARGS: leaves with 0.
-accepts() {
-    name=$1; shift; run "$@"
-    if [ $status -eq 0 ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
-}
-
 nothing_at() { for path; do [ ! -e "$path" ] || return 1; done; [ -z "$(find . -name '*.part')" ]; }
 is_exr() { [ "$(od -An -tx1 -N4 "$1" | tr -d ' ')" = 762f3101 ]; }
 is_png() { [ "$(od -An -tx1 -N4 "$1" | tr -d ' ')" = 89504e47 ]; }

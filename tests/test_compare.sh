@@ -5,11 +5,6 @@
 test=compare
 . "$(dirname "$0")/cases.sh"
 
-accepts() {
-    name=$1; shift; run "$@"
-    if [ $status -eq 0 ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
-}
-
 value() { awk -F, -v m="$2" '$1 == m { print $3 }' "$1"; }
 has() { awk -F, -v m="$2" '$1 == m { found = 1 } END { exit !found }' "$1"; }
 lacks() { ! has "$@"; }

@@ -6,12 +6,6 @@
 test=scene
 . "$(dirname "$0")/cases.sh"
 
-# accepts NAME ARGS: leaves with 0.
-accepts() {
-    name=$1; shift; run "$@"
-    if [ $status -eq 0 ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
-}
-
 export XDG_CACHE_HOME="$work/cache"
 small="--size 64x48 --backend cpu"
 
