@@ -33,7 +33,7 @@ typedef struct bench {
     ssfr_stage *stage;
     ssfr_measured *frame, *timed; /* without and with the time of each node */
     double bandwidth;             /* bytes/s */
-    double sum;                   /* ms, of the nodes' medians */
+    double sum, staged;           /* ms, of the nodes' medians; of those that belong to a stage */
     ssfr_aside aside;
     ssfr_csv *csv;                /* NULL without -o */
 } bench;
@@ -55,7 +55,10 @@ static ssfr_result measure(bench *b, const bench_options *options)
     m.nodes = true;
     SSFR_TRY(ssfr_measure_graph(&b->timed, b->setup.graph, &b->stage->scene, &m));
     for (int i = 0; i < b->timed->n_nodes; i++)
-        if (b->timed->nodes[i].n) b->sum += b->timed->nodes[i].median;
+        if (b->timed->nodes[i].n) {
+            b->sum += b->timed->nodes[i].median;
+            if (*b->timed->reports[i].stage) b->staged += b->timed->nodes[i].median;
+        }
 end:
     return result;
 }
@@ -134,6 +137,7 @@ static const ssfr_column columns[] = {
     {"height", "1", 0, "height of the image, px"},
     {"node", "1", 0, "node of the pipeline; (frame): all, untimed one by one; (frame while timed): all, each timed"},
     {"pass", "1", 0, "what the node runs"},
+    {"stage", "1", 0, "of the frame, as the paper divides it; rows of the node (stage) sum up its nodes"},
     {"status", "1", 0, "ran, or how it was left out"},
     {"why", "1", 0, "why it was left out, empty when it ran"},
     {"ms_min", "ms", -1, "shortest time"},
@@ -141,20 +145,22 @@ static const ssfr_column columns[] = {
     {"ms_mad", "ms", -1, "median absolute deviation of the time"},
     {"runs", "1", 0, "timed runs"},
     {"outliers", "1", 0, "timed runs whose modified z-score exceeds 3.5"},
-    {"share", "1", 0, "median time over the sum of those of the nodes"},
+    {"share", "1", 0, "median time over the sum of those of the nodes, of a stage over that of all stages"},
     {"taps", "1", -1, "samples a written pixel, summed over the passes in a frame"},
     {"iterations", "1", -1, "sweeps over the image"},
     {"vertices", "1", -1, "vertices drawn"},
     {"bytes", "B", -1, "fewest bytes that must be moved"},
     {"roofline", "1", -1, "time over that of moving these bytes at the copy bandwidth"},
 };
-enum { N_KEYS = 6, N_COLUMNS = SSFR_COUNT(columns) };
+enum { N_KEYS = 8, N_COLUMNS = SSFR_COUNT(columns) };
 
-static ssfr_result write_row(ssfr_csv *csv, const bench *b, const ssfr_node_report *r, const ssfr_timing *time)
+/* share: of the sum that the time is a part of */
+static ssfr_result write_row(ssfr_csv *csv, const bench *b, const ssfr_node_report *r, const ssfr_timing *time,
+                             double share)
 {
     ssfr_result result = SSFR_OK;
     const double numbers[] = {time->min, time->median, time->mad, (double)time->n, (double)time->outliers,
-                              time->median / b->sum, r->taps, r->iterations, r->vertices, r->bytes,
+                              share, r->taps, r->iterations, r->vertices, r->bytes,
                               ssfr_measure_roofline(time->median, r->bytes, b->bandwidth)};
     SSFR_TRY(ssfr_csv_text(csv, b->stage->name));
     SSFR_TRY(ssfr_csv_text(csv, ssfr_pipeline_name(b->setup.pipeline)));
@@ -163,6 +169,7 @@ static ssfr_result write_row(ssfr_csv *csv, const bench *b, const ssfr_node_repo
     SSFR_TRY(ssfr_csv_number(csv, b->stage->scene.camera.h));
     SSFR_TRY(ssfr_csv_text(csv, r->node));
     SSFR_TRY(ssfr_csv_text(csv, r->pass));
+    SSFR_TRY(ssfr_csv_text(csv, r->stage));
     SSFR_TRY(ssfr_csv_text(csv, ssfr_status_text(r->status)));
     SSFR_TRY(ssfr_csv_text(csv, r->status == SSFR_RAN ? "" : r->why));
     for (size_t i = 0; i < SSFR_COUNT(numbers); i++) SSFR_TRY(ssfr_csv_number(csv, numbers[i]));
@@ -171,12 +178,41 @@ end:
     return result;
 }
 
+/* Of one stage: sums of its nodes' medians and work; of how the sums spread, nothing is known. */
+static ssfr_result write_stage(ssfr_csv *csv, const bench *b, const char *stage)
+{
+    ssfr_node_report whole = {.node = "(stage)", .pass = "", .stage = stage, .status = SSFR_RAN, .why = ""};
+    ssfr_timing time = {.min = NAN, .mad = NAN};
+    for (int i = 0; i < b->timed->n_nodes; i++) {
+        const ssfr_node_report *r = &b->timed->reports[i];
+        if (strcmp(r->stage, stage) != 0 || r->status != SSFR_RAN) continue;
+        time.n = b->timed->nodes[i].n, time.median += b->timed->nodes[i].median;
+        whole.taps += r->taps, whole.iterations += r->iterations, whole.vertices += r->vertices;
+        whole.bytes += r->bytes;
+    }
+    return write_row(csv, b, &whole, &time, time.median / b->staged);
+}
+
+/* Each stage once, in the order of their first nodes. */
+static ssfr_result write_stages(ssfr_csv *csv, const bench *b)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < b->timed->n_nodes; i++) {
+        const char *stage = b->timed->reports[i].stage;
+        bool is_first = *stage;
+        for (int k = 0; k < i && is_first; k++) is_first = strcmp(b->timed->reports[k].stage, stage) != 0;
+        if (is_first) SSFR_TRY(write_stage(csv, b, stage));
+    }
+end:
+    return result;
+}
+
 /* The frame as a whole: as users have it, and while its nodes are timed. */
 static ssfr_result write_frame(ssfr_csv *csv, const bench *b, const char *name, const ssfr_measured *m)
 {
-    const ssfr_node_report whole = {.node = name, .pass = "", .status = SSFR_RAN, .why = "", .taps = m->taps,
+    const ssfr_node_report whole = {.node = name, .pass = "", .stage = "", .status = SSFR_RAN, .why = "", .taps = m->taps,
                                     .iterations = m->iterations, .vertices = m->vertices, .bytes = m->bytes};
-    return write_row(csv, b, &whole, &m->frame);
+    return write_row(csv, b, &whole, &m->frame, m->frame.median / b->sum);
 }
 
 /* Before anything is measured: a place that cannot be written is found out at once. */
@@ -200,7 +236,8 @@ static ssfr_result write_csv(bench *b)
 {
     ssfr_result result = SSFR_OK;
     for (int i = 0; i < b->timed->n_nodes; i++)
-        SSFR_TRY(write_row(b->csv, b, &b->timed->reports[i], &b->timed->nodes[i]));
+        SSFR_TRY(write_row(b->csv, b, &b->timed->reports[i], &b->timed->nodes[i], b->timed->nodes[i].median / b->sum));
+    SSFR_TRY(write_stages(b->csv, b));
     SSFR_TRY(write_frame(b->csv, b, "(frame)", b->frame));
     SSFR_TRY(write_frame(b->csv, b, "(frame while timed)", b->timed));
 end:

@@ -489,6 +489,7 @@ typedef enum ssfr_node_status {
 
 typedef struct ssfr_node_report {
     const char *node, *pass;
+    const char *stage;   /* of the frame, as the paper divides it; "" for none */
     ssfr_node_status status;
     const char *why;     /* one line; "" when it ran */
     double ms;           /* GPU time by timestamps, or the twin's wall time; NaN without timing */

@@ -164,6 +164,7 @@ typedef struct ssfr_node {
     const char *pass; /* NULL: the pass of that name */
     ssfr_binding ports[SSFR_MAX_PORTS]; /* only those that differ from the port's own slot */
     const char *settings[8];            /* "param=value", NULL-terminated */
+    const char *stage;                  /* of the frame, as the paper divides it; NULL: none of its stages */
 } ssfr_node;
 
 struct ssfr_pipeline {

@@ -100,7 +100,8 @@ static void decide_all(ssfr_graph *graph, bool keep_all)
     for (int i = graph->n_nodes - 1; i >= 0; i--) {
         const node *n = &graph->nodes[i];
         ssfr_node_report *report = &graph->reports[i];
-        *report = (ssfr_node_report){.node = n->name, .pass = n->pass->name, .ms = NAN};
+        *report = (ssfr_node_report){.node = n->name, .pass = n->pass->name, .ms = NAN,
+                                     .stage = n->def->stage ? n->def->stage : ""};
         report->status = decide(graph, n, keep_all, &report->why);
         if (report->status == SSFR_RAN) {
             for (int k = 0; k < n->n_in; k++) graph->resources[n->in[k]].wanted = true;
