@@ -9,10 +9,11 @@ layout(location = 0) uniform ivec2 u_layout; // floats from one position to the 
 
 const int PACKET = 64; // SSFR_PACKET of ssfr.h
 
+vec3 eye_from_world(vec3 v) { return vec3(dot(frame.right.xyz, v), dot(frame.up.xyz, v), dot(frame.back.xyz, v)); }
+
 vec3 eye_position(int i)
 {
     int at = u_layout.y + u_layout.x * i;
     vec3 p = vec3(positions[at], positions[at + 1], positions[at + 2]);
-    vec3 turned = vec3(dot(frame.right.xyz, p), dot(frame.up.xyz, p), dot(frame.back.xyz, p));
-    return offsets[i / PACKET].xyz + turned;
+    return offsets[i / PACKET].xyz + eye_from_world(p);
 }

@@ -72,10 +72,23 @@ typedef struct ssfr_fragment { /* where a pixel's ray meets a particle's sphere 
     double front;  /* m, eye-space z of the nearest point, not behind the near plane */
     double back;   /* m, of the farthest */
     double chord;  /* m, length of the ray inside the sphere, from the near plane on */
+    double area;   /* in the image, of a streak (streak.h) in that of its disc; 1 for spheres */
 } ssfr_fragment;
 
 /* Calls shade for every pixel of every particle in view, in the particles' order at each pixel. */
 typedef void ssfr_splat_shade(const ssfr_run *run, const ssfr_fragment *fragment, double *pixel);
 void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade);
+
+/* What that is made of. draw: particle i into rows y0 to y1 - 1. */
+typedef void ssfr_splat_draw(const ssfr_run *run, size_t i, int y0, int y1, ssfr_splat_shade *shade);
+void ssfr_splat_each(const ssfr_run *run, ssfr_splat_draw *draw, ssfr_splat_shade *shade);
+
+typedef struct ssfr_box { /* px; without x1 and y1 */
+    int x0, x1, y0, y1;
+} ssfr_box;
+/* The image's pixels in rows y0 to y1 - 1 between lo and hi (px). */
+ssfr_box ssfr_splat_box(const ssfr_run *run, const double lo[2], const double hi[2], int y0, int y1);
+/* Shades a fragment with what of it is before the near plane. */
+void ssfr_splat_emit(const ssfr_run *run, ssfr_fragment *f, ssfr_splat_shade *shade);
 
 #endif

@@ -88,6 +88,20 @@ static void cut_front(ssfr_fragment *frag, double near)
     frag->front = near;
 }
 
+void ssfr_splat_emit(const ssfr_run *run, ssfr_fragment *f, ssfr_splat_shade *shade)
+{
+    const double near = -run->frame->near;
+    if (f->back > near) return;
+    if (f->front > near) cut_front(f, near);
+    shade(run, f, ssfr_field_at(run->out[0], f->x, f->y));
+}
+
+ssfr_box ssfr_splat_box(const ssfr_run *run, const double lo[2], const double hi[2], int y0, int y1)
+{
+    return (ssfr_box){(int)floor(ssfr_clamp(lo[0], 0, run->w)), (int)ceil(ssfr_clamp(hi[0], 0, run->w)),
+                      (int)floor(ssfr_clamp(lo[1], y0, y1)), (int)ceil(ssfr_clamp(hi[1], y0, y1))};
+}
+
 /* What all particles share, for one of its own size; false when that is 0. */
 static bool size_splat(const ssfr_run *run, size_t i, ssfr_splat *splat)
 {
@@ -97,27 +111,23 @@ static bool size_splat(const ssfr_run *run, size_t i, ssfr_splat *splat)
     return size > 0;
 }
 
-static void splat_particle(const ssfr_run *run, size_t i, int y0, int y1, ssfr_splat_shade *shade)
+static void draw_particle(const ssfr_run *run, size_t i, int y0, int y1, ssfr_splat_shade *shade)
 {
     ssfr_splat sized, *const splat = &sized;
     footprint f;
-    ssfr_fragment frag = {.particle = i};
+    ssfr_fragment frag = {.particle = i, .area = 1};
     if (!size_splat(run, i, splat)) return;
     const bool exact = splat->form == SSFR_SPLAT_EXACT;
     ssfr_frame_eye(run->frame, i, f.centre);
     if (!(exact ? place_outline(run, splat, &f) : place_disc(run, splat, &f))) return;
-    const int x_lo = (int)floor(ssfr_clamp(f.lo[0], 0, run->w)), x_hi = (int)ceil(ssfr_clamp(f.hi[0], 0, run->w));
-    const int y_lo = (int)floor(ssfr_clamp(f.lo[1], y0, y1)), y_hi = (int)ceil(ssfr_clamp(f.hi[1], y0, y1));
-    for (frag.y = y_lo; frag.y < y_hi; frag.y++)
-        for (frag.x = x_lo; frag.x < x_hi; frag.x++) {
-            const bool hit = exact ? hit_sphere(run, splat, &f, &frag) : hit_disc(splat, &f, &frag);
-            if (!hit || frag.back > -run->frame->near) continue;
-            if (frag.front > -run->frame->near) cut_front(&frag, -run->frame->near);
-            shade(run, &frag, ssfr_field_at(run->out[0], frag.x, frag.y));
-        }
+    const ssfr_box box = ssfr_splat_box(run, f.lo, f.hi, y0, y1);
+    for (frag.y = box.y0; frag.y < box.y1; frag.y++)
+        for (frag.x = box.x0; frag.x < box.x1; frag.x++)
+            if (exact ? hit_sphere(run, splat, &f, &frag) : hit_disc(splat, &f, &frag))
+                ssfr_splat_emit(run, &frag, shade);
 }
 
-void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade)
+void ssfr_splat_each(const ssfr_run *run, ssfr_splat_draw *draw, ssfr_splat_shade *shade)
 {
     enum { BAND = 32 }; /* rows; a band belongs to one thread, so each pixel sees the particles in order */
     const ssfr_facts *facts = &run->frame->facts;
@@ -125,5 +135,10 @@ void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade)
     for (int y = 0; y < run->h; y += BAND)
         for (int k = 0; k < facts->n_ranges; k++)
             for (int i = facts->first[k]; i < facts->first[k] + facts->count[k]; i++)
-                splat_particle(run, (size_t)i, y, ssfr_min_int(y + BAND, run->h), shade);
+                draw(run, (size_t)i, y, ssfr_min_int(y + BAND, run->h), shade);
+}
+
+void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade)
+{
+    ssfr_splat_each(run, draw_particle, shade);
 }

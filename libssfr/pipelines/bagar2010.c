@@ -11,11 +11,13 @@ const ssfr_pipeline ssfr_pipeline_bagar2010 = {
     .nodes = {
         {"background"},
         {"sphere_depth"},
+        {"foam_depth"},
         {"downsample"},
         {"adaptive_flow"},
         {"upsample"},
         {"normals"},
         {"thickness"},
         {"layer_composite", .ports = {{"thickness_back", SSFR_SLOT_thickness}}},
+        {"spray"},
     },
 };
