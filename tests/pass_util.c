@@ -2,11 +2,13 @@
 /* pass_util.c: one pass by itself on given images and particles, on either twin. */
 #include "tests/pass_util.h"
 
+#include "graph/internal.h"
+
 #include <float.h>
 
 /* ---- what a test owns -------------------------------------------------------------------------------------------- */
 
-enum { MAX_TWINS = 64, MAX_FIELDS = 1024, MAX_SETS = 256 };
+enum { MAX_TWINS = 64, MAX_FIELDS = 1024, MAX_SETS = 256, MAX_MOVING = 4096 };
 
 static test_twin twins[MAX_TWINS];
 static ssfr_field *fields[MAX_FIELDS];
@@ -134,6 +136,33 @@ void test_twin_place(test_twin *t, size_t n, const double (*eye)[3], double radi
     assert_int_equal(ssfr_particles_create(&sets[n_sets], n, world, &given), SSFR_OK);
     t->scene.particles = sets[n_sets++];
     free(world), free(ids);
+}
+
+static void lend(const test_twin *t, const char *port, const float *values)
+{
+    const int k = ssfr_port_find(t->graph->nodes[0].pass->inputs, port);
+    assert_true(k >= 0);
+    ssfr_values_lend(t->graph, t->graph->nodes[0].in[k], values);
+}
+
+void test_twin_place_moving(test_twin *t, size_t n, const double (*eye)[3], double radius, const float *size,
+                            const float (*velocity)[3])
+{
+    static float sizes[MAX_MOVING], velocities[MAX_MOVING][3];
+    static uint32_t ids[MAX_MOVING];
+    const ssfr_camera *c = &t->scene.camera;
+    assert_true(n <= MAX_MOVING);
+    for (size_t i = 0; i < n; i++) ids[i] = (uint32_t)i;
+    test_twin_place(t, n, eye, radius, ids);
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t id = t->scene.particles->id[i];
+        const float *v = velocity ? velocity[id] : (const float[3]){0};
+        sizes[i] = size ? size[id] : 1;
+        for (int k = 0; k < 3; k++)
+            velocities[i][k] = (float)((double)v[0] * c->right[k] + (double)v[1] * c->up[k] + (double)v[2] * c->back[k]);
+    }
+    lend(t, "size", sizes);
+    lend(t, "velocity", velocity ? velocities[0] : NULL);
 }
 
 static ssfr_field *run(test_twin *t, const char *output, bool keep_all)

@@ -38,6 +38,10 @@ void test_twin_refuses(test_twin *t, const char *key, const char *value, const c
 void test_twin_give(test_twin *t, const char *port, const ssfr_field *field);
 /* Particles at places in eye space, m; id may be NULL. */
 void test_twin_place(test_twin *t, size_t n, const double (*eye)[3], double radius, const uint32_t *id);
+/* Particles of these sizes (NULL: all 1) and velocities in eye space, m/s (NULL: not known), on the ports `size` and
+ * `velocity` of a pass that draws such. n is at most 4096. */
+void test_twin_place_moving(test_twin *t, size_t n, const double (*eye)[3], double radius, const float *size,
+                            const float (*velocity)[3]);
 /* Stands the eye elsewhere and turns it. */
 void test_twin_look(test_twin *t, const double eye[3], const double target[3]);
 /* Runs the pass whatever its `needed` says, and gives an output. */

@@ -452,12 +452,15 @@ void ssfr_graph_destroy(ssfr_graph **graph)
     *graph = NULL;
 }
 
-/* How much the values of particles widen a node's splats. */
-static double widening(ssfr_graph *graph, const node *n)
+/* How much the values of particles widen a node's splats; not by_values: where each has the neutral one, which may be 0. */
+static double widening(ssfr_graph *graph, const node *n, bool by_values)
 {
     double widening = 1;
-    for (int k = 0; k < n->n_in; k++)
-        if (n->pass->inputs[k].widens) widening *= fmax(ssfr_values_largest(&graph->resources[n->in[k]]), 1);
+    for (int k = 0; k < n->n_in; k++) {
+        const double neutral = ssfr_slots[graph->resources[n->in[k]].slot].neutral;
+        if (!n->pass->inputs[k].widens) continue;
+        widening *= by_values ? fmax(ssfr_values_largest(&graph->resources[n->in[k]]), neutral) : neutral;
+    }
     return widening;
 }
 
@@ -467,7 +470,7 @@ double ssfr_graph_reach(ssfr_graph *graph, bool by_values)
     for (int i = 0; i < graph->n_nodes; i++) {
         const node *n = &graph->nodes[i];
         if (!n->pass->reach || n->off) continue;
-        reach = fmax(reach, n->pass->reach(n->params) * (by_values ? widening(graph, n) : 1));
+        reach = fmax(reach, n->pass->reach(n->params) * widening(graph, n, by_values));
     }
     return reach;
 }

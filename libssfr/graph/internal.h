@@ -32,6 +32,9 @@ typedef struct particle_values { /* of a particle slot */
     uint64_t largest_key; /* whose largest value that is */
     bool is_counted;
     size_t n_seen;       /* particles in view with a value that is not 0 */
+    /* ssfr_values_lend */
+    const float *lent;
+    uint64_t lent_key;
     /* GL */
     unsigned buffer;
     size_t cap_buffer;   /* floats */
@@ -134,6 +137,9 @@ SSFR_MUST ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all);
 SSFR_MUST ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all, bool timing);
 /* Counts the particles in view that have a value, once the frame's facts are final. */
 void ssfr_values_count(ssfr_graph *graph);
+/* What a slot holds that no node writes, in the frames that follow: a value a channel of each of their particles, in the
+ * packed order, which stay the caller's. NULL: what the scene brings, or the neutral value. */
+void ssfr_values_lend(ssfr_graph *graph, int index, const float *data);
 /* The largest value of a slot, all particles counted. */
 double ssfr_values_largest(resource *r);
 /* The node's history ends: a parameter has changed. */
@@ -154,7 +160,7 @@ SSFR_MUST ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const
 int ssfr_port_find(const ssfr_port *ports, const char *name);
 
 /* How far the splats of any node that is not off reach, in particle radii; 0 without one. by_values: with the largest
- * of the frame's values that widen them, where these are over 1. */
+ * of the frame's values that widen them, where these are over the neutral ones. */
 double ssfr_graph_reach(ssfr_graph *graph, bool by_values);
 
 #endif

@@ -74,6 +74,16 @@ static bool is_neutral(const ssfr_graph *graph, const image *im)
     return neutral;
 }
 
+/* What port k had, unless that is neutral: which is what a port has that is not given. */
+static ssfr_result give_input(ssfr_graph *single, const ssfr_graph *source, const node *at, int k)
+{
+    const resource *r = &source->resources[at->in[k]];
+    const bool values = ssfr_slot_is_particles(r->slot);
+    if (values && !r->values.now.same) ssfr_values_lend(single, single->nodes[0].in[k], r->values.now.data);
+    if (values || is_neutral(source, r->image)) return SSFR_OK;
+    return import_rounded(single, at->pass->inputs[k].name, r->image->field);
+}
+
 /* Runs the pass alone, whatever its `needed` says, and gives its outputs. */
 static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene *scene, const ssfr_graph *source,
                             const node *at, const char *const *settings, ssfr_field **outputs)
@@ -82,11 +92,7 @@ static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene
     ssfr_graph *single = NULL;
     SSFR_TRY(ssfr_graph_create_for_pass(&single, pass, gl));
     SSFR_TRY(apply(single, settings));
-    for (int k = 0; k < at->n_in; k++) {
-        const image *im = source->resources[at->in[k]].image;
-        if (!is_neutral(source, im)) /* which is what a port has that is not given */
-            SSFR_TRY(import_rounded(single, pass->inputs[k].name, im->field));
-    }
+    for (int k = 0; k < at->n_in; k++) SSFR_TRY(give_input(single, source, at, k));
     ssfr_graph_want_all(single, true);
     SSFR_TRY(ssfr_graph_run(single, scene, &(ssfr_run_options){.keep_all = true}));
     for (int k = 0; k < at->n_out; k++) SSFR_TRY(ssfr_graph_read(single, pass->outputs[k].name, &outputs[k]));

@@ -47,6 +47,12 @@ static void find_readers(ssfr_graph *graph, bool keep_all)
 
 /* ---- what a slot holds ------------------------------------------------------------------------------------------- */
 
+/* Of contents that there have not been: no serial of particles gets that far. */
+static uint64_t new_key(ssfr_graph *graph)
+{
+    return UINT64_C(1) << 63 | ++graph->n_written;
+}
+
 static void hold_neutral(const ssfr_graph *graph, resource *r)
 {
     const ssfr_slot *slot = &ssfr_slots[r->slot];
@@ -67,11 +73,18 @@ static const float *find_brought(const ssfr_particles *particles, ssfr_slot_id s
 static void hold_brought(const ssfr_graph *graph, resource *r)
 {
     const ssfr_particles *p = graph->frame.particles;
-    const float *data = p ? find_brought(p, r->slot) : NULL;
     particle_values *v = &r->values;
+    const float *data = !p ? NULL : v->lent ? v->lent : find_brought(p, r->slot);
     if (!data) return;
     v->now = (ssfr_values){p->n, ssfr_slots[r->slot].channels, false, data};
-    v->key = p->serial;
+    v->key = v->lent ? v->lent_key : p->serial;
+}
+
+void ssfr_values_lend(ssfr_graph *graph, int index, const float *data)
+{
+    particle_values *v = &graph->resources[index].values;
+    v->lent = data;
+    v->lent_key = new_key(graph);
 }
 
 static void hold_written(const ssfr_graph *graph, resource *r)
@@ -205,7 +218,7 @@ static void note_written(ssfr_graph *graph, resource *r)
     size_t different = 0;
 #pragma omp parallel for schedule(static) reduction(+ : different)
     for (size_t i = 0; i < n; i++) different += v->memory[i] != neutral;
-    v->written = different ? UINT64_C(1) << 63 | ++graph->n_written : 0; /* no serial of particles gets that far */
+    v->written = different ? new_key(graph) : 0;
 }
 
 static ssfr_result run_pass(ssfr_graph *graph, node *n)
