@@ -488,7 +488,7 @@ static void chords_over_the_area_add_up_to_the_volume_of_the_sphere(void **state
                 const double *c = places[p], radius = f == MOTION ? 0.1 : 0.15;
                 const double volume = 4 * pi / 3 * radius * radius * radius, at = ssfr_square(pixel * c[2]); /* m^2 */
                 see(state, (form)f, c, radius, motions[i]);
-                assert_close(seen.sum * at, volume, 0, f == MOTION ? 0.04 : 0.005); /* near ends look larger */
+                assert_close(seen.sum * at, volume, 0, f == MOTION ? 0.04 : 0.01); /* near ends look larger */
                 if (f == SQUARE) assert_close(seen.chords, seen.sum, 0, 1e-12);
                 if (f == VIEW) assert_close(seen.chords, 2 * seen.sum, 0, 1e-12);
             }

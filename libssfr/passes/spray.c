@@ -20,9 +20,9 @@ static const char *const occlusions[] = {"scene", "surface", NULL};
 static const ssfr_param rows[] = {
     SSFR_STREAK_ROWS,
     SSFR_PARAM_REAL(spray_params, strength, "1", 1, 0, 1e3, "multiplies the colour; 0: no spray"),
-    SSFR_PARAM_REAL(spray_params, color_r, "1", 0.5, 0, 1e3, "what the middle of a particle adds, linear, red"),
-    SSFR_PARAM_REAL(spray_params, color_g, "1", 0.53, 0, 1e3, "what the middle of a particle adds, linear, green"),
-    SSFR_PARAM_REAL(spray_params, color_b, "1", 0.56, 0, 1e3, "what the middle of a particle adds, linear, blue"),
+    SSFR_PARAM_REAL(spray_params, color_r, "1", 0.25, 0, 1e3, "what the middle of a particle adds, linear, red"),
+    SSFR_PARAM_REAL(spray_params, color_g, "1", 0.265, 0, 1e3, "what the middle of a particle adds, linear, green"),
+    SSFR_PARAM_REAL(spray_params, color_b, "1", 0.28, 0, 1e3, "what the middle of a particle adds, linear, blue"),
     SSFR_PARAM_REAL(spray_params, falloff, "1", 4, 0, 1e3, "how much less the outside of a particle adds: e^-falloff"),
     SSFR_PARAM_CHOICE(spray_params, kernel, kernels, SSFR_SPRAY_GAUSSIAN,
                       "falls off as e^(-falloff r^2), or as e^(-falloff r)"),
@@ -77,5 +77,5 @@ const ssfr_pass ssfr_spray = {
     .uniforms = uniforms,
     .gl_run = ssfr_streak_gl_add,
     .work = ssfr_streak_work,
-    .tolerance = {.abs = 1e-4, .rel = 1e-4, .outliers = 0.02},
+    .tolerance = {.abs = 1e-4, .rel = 1e-4, .outliers = 0.004},
 };
