@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// spray.frag: what a spray particle adds to the picture (Bagar 2010, sec. 4.9.5): colour e^(-falloff r^2), linear, summed
-// by blending over what is there.
+// spray.frag: what a spray particle adds to the picture (Bagar 2010, sec. 4.9.5): colour e^(-falloff r^2), linear,
+// summed by blending over what is there.
 #include "common.glsl"
 #include "streak.glsl"
 

@@ -156,10 +156,11 @@ void test_twin_place_moving(test_twin *t, size_t n, const double (*eye)[3], doub
     test_twin_place(t, n, eye, radius, ids);
     for (size_t i = 0; i < n; i++) {
         const uint32_t id = t->scene.particles->id[i];
-        const float *v = velocity ? velocity[id] : (const float[3]){0};
-        sizes[i] = size ? size[id] : 1;
+        double v[3] = {0};
+        for (int k = 0; k < 3 && velocity; k++) v[k] = (double)velocity[id][k];
         for (int k = 0; k < 3; k++)
-            velocities[i][k] = (float)((double)v[0] * c->right[k] + (double)v[1] * c->up[k] + (double)v[2] * c->back[k]);
+            velocities[i][k] = (float)(v[0] * c->right[k] + v[1] * c->up[k] + v[2] * c->back[k]);
+        sizes[i] = size ? size[id] : 1;
     }
     lend(t, "size", sizes);
     lend(t, "velocity", velocity ? velocities[0] : NULL);

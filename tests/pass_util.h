@@ -10,6 +10,7 @@
 #define TEST_TWINS(test)                                 \
     {#test "_on_the_cpu", test, NULL, test_clean, "cpu"}, \
     {#test "_on_the_gpu", test, NULL, test_clean, "gpu"}
+#define TEST_CPU(test) {#test, test, NULL, test_clean, "cpu"}
 #define TEST_GPU(test) {#test, test, NULL, test_clean, "gpu"}
 
 /* Teardown of a test that uses what stands below: frees all that it made. */
@@ -39,7 +40,7 @@ void test_twin_give(test_twin *t, const char *port, const ssfr_field *field);
 /* Particles at places in eye space, m; id may be NULL. */
 void test_twin_place(test_twin *t, size_t n, const double (*eye)[3], double radius, const uint32_t *id);
 /* Particles of these sizes (NULL: all 1) and velocities in eye space, m/s (NULL: not known), on the ports `size` and
- * `velocity` of a pass that draws such. n is at most 4096. */
+ * `velocity` of a pass that draws such, until the next are placed. n is at most 4096. */
 void test_twin_place_moving(test_twin *t, size_t n, const double (*eye)[3], double radius, const float *size,
                             const float (*velocity)[3]);
 /* Stands the eye elsewhere and turns it. */

@@ -2,7 +2,6 @@
 /* test_adaptive_flow.c: how many steps each pixel takes and how wide they smooth; all ways to the end are the same. */
 #include "tests/pass_util.h"
 
-#define TEST_CPU(test) {#test, test, NULL, test_clean, "cpu"}
 
 enum { W = 36, H = 24 };
 

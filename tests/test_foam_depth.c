@@ -39,7 +39,8 @@ static void the_nearest_of_all_foam_is_kept(void **state)
     }
     assert_true(test_count(all) > 200);
     int n_different = 0; /* places are floats relative to their packet's middle: rims move by those */
-    for (int k = 0; k < W * H; k++) n_different += !(fabs(all->data[k] - nearest->data[k]) <= 1e-5 * fabs(all->data[k]));
+    for (int k = 0; k < W * H; k++)
+        n_different += !(fabs(all->data[k] - nearest->data[k]) <= 1e-5 * fabs(all->data[k]));
     assert_true(n_different <= 3);
 }
 
@@ -133,7 +134,8 @@ static void the_twins_agree_on_foam_that_moves(void **state)
     void *on_cpu = cpu;
     make_cloud(-3, 0.2, 0.8);
     for (size_t i = 0; i < SSFR_COUNT(settings); i++) {
-        test_twin *twins[2] = {test_twin_create(state, "foam_depth", W, H), test_twin_create(&on_cpu, "foam_depth", W, H)};
+        test_twin *const twins[2] = {test_twin_create(state, "foam_depth", W, H),
+                                     test_twin_create(&on_cpu, "foam_depth", W, H)};
         const ssfr_field *depth[2];
         int n_outside = 0;
         for (int k = 0; k < 2; k++) {

@@ -257,7 +257,8 @@ static void the_twins_agree_on_a_cloud_of_spray(void **state)
     const ssfr_field *seen[2];
     int n_outside = 0;
     make_cloud(-6, 0.2, 3);
-    for (int k = 0; k < 2; k++) seen[k] = draw(twins[k], MOST, (const double(*)[3])cloud, (const float(*)[3])velocities);
+    for (int k = 0; k < 2; k++)
+        seen[k] = draw(twins[k], MOST, (const double(*)[3])cloud, (const float(*)[3])velocities);
     for (int i = 0; i < 3 * N; i++) {
         assert_true(isfinite(seen[0]->data[i]) && isfinite(seen[1]->data[i]));
         n_outside += !(fabs(seen[0]->data[i] - seen[1]->data[i]) <= 1e-4 + 1e-4 * fabs(seen[1]->data[i]));

@@ -7,8 +7,8 @@
 #include "gl/gl.h"
 #include "graph/pass.h"
 
-/* Storage buffer bindings; shaders/particles.glsl, splat.vert, surface_noise.frag, tiles.vert and environment.glsl
- * repeat them. */
+/* Storage buffer bindings; shaders/particles.glsl, splat.vert, streak.vert, surface_noise.frag, tiles.vert and
+ * environment.glsl repeat them. */
 enum {
     SSFR_BIND_POSITION, SSFR_BIND_OFFSET, SSFR_BIND_TILES, SSFR_BIND_ID, SSFR_BIND_SOLID_TILES, SSFR_BIND_NODES,
     SSFR_BIND_TRIANGLES,

@@ -452,7 +452,7 @@ void ssfr_graph_destroy(ssfr_graph **graph)
     *graph = NULL;
 }
 
-/* How much the values of particles widen a node's splats; not by_values: where each has the neutral one, which may be 0. */
+/* How much the values of particles widen a node's splats; not by_values: were they neutral, which may be 0. */
 static double widening(ssfr_graph *graph, const node *n, bool by_values)
 {
     double widening = 1;

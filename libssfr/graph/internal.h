@@ -137,8 +137,8 @@ SSFR_MUST ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all);
 SSFR_MUST ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all, bool timing);
 /* Counts the particles in view that have a value, once the frame's facts are final. */
 void ssfr_values_count(ssfr_graph *graph);
-/* What a slot holds that no node writes, in the frames that follow: a value a channel of each of their particles, in the
- * packed order, which stay the caller's. NULL: what the scene brings, or the neutral value. */
+/* What a resource of values that no node writes holds in the frames that follow, of each of their particles in the
+ * packed order. They stay the caller's. NULL: what the scene brings, or the neutral value. */
 void ssfr_values_lend(ssfr_graph *graph, int index, const float *data);
 /* The largest value of a slot, all particles counted. */
 double ssfr_values_largest(resource *r);

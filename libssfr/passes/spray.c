@@ -5,7 +5,7 @@
  *
  * drawn along its velocity as foam is. The text speaks of an "exponential-based falloff" and no more: `kernel` has its
  * two readings, in r^2 as the thickness falls off (listing A.15), and in r as eq. 3.4 prints that. It tells of no test
- * of depth but the hardware's, against the scene: spray that is under water shines through, unless the surface hides it. */
+ * of depth but the hardware's, against the scene: spray under water shines through, unless `occlusion` says no. */
 #include "passes/spray.h"
 
 typedef struct spray_params {

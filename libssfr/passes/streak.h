@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* streak.h: a particle as a quad along its velocity (Bagar 2010, sec. 4.6.2 and listing A.10), shared by all passes that
- * draw foam or spray so. The twin of shaders/streak.glsl.
+/* streak.h: a particle as a quad along its velocity (Bagar 2010, sec. 4.6.2 and listing A.10), shared by all passes
+ * that draw foam or spray so. The twin of shaders/streak.glsl.
  *
  *      across |  _________________________        half axes: stretch R along the motion, R across;
  *             R |      .---------.       |        the ellipse inside is what is drawn.
@@ -62,7 +62,7 @@ extern const char *const ssfr_streak_orientations[], *const ssfr_streak_planes[]
     {"u_turned", offsetof(ssfr_streak, turned), 0},                    \
     {"u_in_view", offsetof(ssfr_streak, in_view), 0}
 
-/* The first ports of such a pass that carry values, after which it may have others: what is drawn, and where it goes. */
+/* The first ports of such a pass that carry values; it may have others after them. */
 #define SSFR_STREAK_PORTS(size_slot) {"size", size_slot, .widens = true}, {"velocity", SSFR_SLOT_velocity}
 #define SSFR_STREAK_PROGRAMS(frag, more) {{"streak.vert", frag, more}}
 
@@ -75,8 +75,8 @@ void ssfr_streak_work(const ssfr_run *run, ssfr_node_report *report);
 ssfr_result ssfr_streak_gl_nearest(const ssfr_run *run);
 ssfr_result ssfr_streak_gl_add(const ssfr_run *run);
 
-/* Calls shade for every pixel of every particle in view, in the particles' order at each pixel. Of the fragment, a and b
- * are the place on the quad along and across it, in half axes; on a square, right and down. */
+/* Calls shade for every pixel of every particle in view, in the particles' order at each pixel. A fragment's a and b
+ * are its place on the quad, along and across, in half axes; on a square, right and down. */
 void ssfr_streak_cpu(const ssfr_run *run, ssfr_splat_shade *shade);
 
 #endif
