@@ -2,7 +2,6 @@
 /* test_adaptive_flow.c: how many steps each pixel takes and how wide they smooth; all ways to the end are the same. */
 #include "tests/pass_util.h"
 
-
 enum { W = 36, H = 24 };
 
 static const double radius = 10; /* m, of the one particle, behind the eye: how far the fluid is, the depth tells */
