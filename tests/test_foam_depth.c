@@ -107,6 +107,23 @@ static void sizes_that_are_not_positive_draw_nothing(void **state)
     for (int i = 0; i < depth->w * depth->h; i++) assert_true(depth->data[i] < -SSFR_SURFACE);
 }
 
+/* The tiles that are drawn are those of the water: how far foam would reach does not count. */
+static void foam_that_is_not_there_widens_nothing(void **state)
+{
+    static const ssfr_pipeline both = {.name = "both", .source = "", .help = "", .result = SSFR_SLOT_fluid_depth,
+                                       .nodes = {{"sphere_depth"}, {"foam_depth"}}};
+    static const char *const stretches[] = {"2", "100"};
+    static const double c[1][3] = {{0, 0, -3}};
+    test_twin *t = test_twin_create_for(state, &both, 256, 192);
+    ssfr_node_status status;
+    test_twin_place(t, 1, c, 0.1, NULL);
+    for (size_t i = 0; i < SSFR_COUNT(stretches); i++) {
+        test_twin_set(t, "foam_depth.stretch", "%s", stretches[i]);
+        test_twin_run_if_needed(t, "fluid_depth", &status);
+        assert_close(ssfr_graph_report(t->graph)->covered, 4.0 / (8 * 6), 0, 1e-12);
+    }
+}
+
 /* Packets before and behind the eye, foam that reaches further than its radius. */
 static void what_is_left_out_changes_no_bit(void **state)
 {
@@ -171,6 +188,7 @@ int main(void)
         TEST_TWINS(scene_hides_the_foam_behind_it),
         TEST_TWINS(without_foam_in_view_it_is_left_out),
         TEST_TWINS(sizes_that_are_not_positive_draw_nothing),
+        TEST_TWINS(foam_that_is_not_there_widens_nothing),
         TEST_TWINS(what_is_left_out_changes_no_bit),
         TEST_GPU(the_twins_agree_on_foam_that_moves),
         TEST_TWINS(foam_depth_refuses_values_out_of_range),

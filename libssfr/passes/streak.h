@@ -2,11 +2,13 @@
 /* streak.h: a particle as a quad along its velocity (Bagar 2010, sec. 4.6.2 and listing A.10), shared by all passes
  * that draw foam or spray so. The twin of shaders/streak.glsl.
  *
- *      across |  _________________________        half axes: stretch R along the motion, R across;
- *             R |      .---------.       |        the ellipse inside is what is drawn.
- *               |    (      +---- along -)        Where the particle is slow, or moves along the ray to the eye,
- *               |      '---------'   stretch R    the quad is a square of half side R, parallel to the image.
- *               '------------------------'
+ *       _______________________
+ *      |    .-'"""""""""""'-.    |     half axes: stretch R along the motion, R across it;
+ *      |  (         +--------->) |     what is drawn is the ellipse in the quad.
+ *      |____'-.___________.-'____|
+ *
+ * Where the particle is slow, or moves along the ray to the eye, the quad is a square of half side R, parallel to the
+ * image.
  *
  * plane=motion  the quad holds the direction of the motion in space (the listing): seen foreshortened.
  * plane=view    it is parallel to the image, along the motion as projected there (the text).
