@@ -7,7 +7,7 @@ static const ssfr_uniform uniforms[] = {SSFR_STREAK_UNIFORMS, {NULL, 0, 0}};
 
 const ssfr_pass ssfr_foam_depth = {
     .name = "foam_depth",
-    .source = "Bagar 2010, sec. 4.6.2, listing A.10",
+    .source = "Bagar 2010, sec. 4.6.2 and listing A.10 (erratum B24)",
     .help = "draws every foam particle as a quad along its velocity and keeps the nearest eye-space depth",
     .inputs = {{"scene_depth", SSFR_SLOT_scene_depth}, SSFR_STREAK_PORTS(SSFR_SLOT_foam_size)},
     .outputs = {{"depth", SSFR_SLOT_foam_depth}},
