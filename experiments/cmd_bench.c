@@ -151,6 +151,8 @@ static const ssfr_column columns[] = {
     {"vertices", "1", -1, "vertices drawn"},
     {"bytes", "B", -1, "fewest bytes that must be moved"},
     {"roofline", "1", -1, "time over that of moving these bytes at the copy bandwidth"},
+    {"tiles", "1", -1, "tiles of 32 x 32 pixels that its sweeps draw"},
+    {"unstable", "1", -1, "pixels whose step of smoothing is longer than what keeps it stable"},
 };
 enum { N_KEYS = 8, N_COLUMNS = SSFR_COUNT(columns) };
 
@@ -161,7 +163,7 @@ static ssfr_result write_row(ssfr_csv *csv, const bench *b, const ssfr_node_repo
     ssfr_result result = SSFR_OK;
     const double numbers[] = {time->min, time->median, time->mad, (double)time->n, (double)time->outliers,
                               share, r->taps, r->iterations, r->vertices, r->bytes,
-                              ssfr_measure_roofline(time->median, r->bytes, b->bandwidth)};
+                              ssfr_measure_roofline(time->median, r->bytes, b->bandwidth), r->tiles, r->unstable};
     SSFR_TRY(ssfr_csv_text(csv, b->stage->name));
     SSFR_TRY(ssfr_csv_text(csv, ssfr_pipeline_name(b->setup.pipeline)));
     SSFR_TRY(ssfr_csv_text(csv, b->setup.gl ? "gl" : "cpu"));
@@ -211,7 +213,8 @@ end:
 static ssfr_result write_frame(ssfr_csv *csv, const bench *b, const char *name, const ssfr_measured *m)
 {
     const ssfr_node_report whole = {.node = name, .pass = "", .stage = "", .status = SSFR_RAN, .why = "", .taps = m->taps,
-                                    .iterations = m->iterations, .vertices = m->vertices, .bytes = m->bytes};
+                                    .iterations = m->iterations, .vertices = m->vertices, .bytes = m->bytes,
+                                    .tiles = m->tiles, .unstable = m->unstable};
     return write_row(csv, b, &whole, &m->frame, m->frame.median / b->sum);
 }
 

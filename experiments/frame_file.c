@@ -92,6 +92,9 @@ void ssfr_frame_say(const ssfr_graph *graph)
     const ssfr_report *report = ssfr_graph_report(graph);
     for (int i = 0; i < report->n_nodes; i++) {
         const ssfr_node_report *node = &report->nodes[i];
+        if (node->unstable > 0)
+            ssfr_log(SSFR_WARNING, "%s: its step is longer than %.0f pixels bear, where ripples may grow", node->node,
+                     node->unstable);
         if (node->status == SSFR_RAN)
             ssfr_log(SSFR_INFO, "%-16s %9.3f ms  %8.1f MB  %8.1f taps/px", node->node, node->ms, 1e-6 * node->bytes,
                      node->taps);
@@ -116,6 +119,8 @@ static void write_node(ssfr_json *json, const ssfr_node_report *node)
         ssfr_json_number(json, "taps_per_pixel", node->taps);
         ssfr_json_number(json, "iterations", node->iterations);
         ssfr_json_number(json, "vertices", node->vertices);
+        ssfr_json_number(json, "tiles", node->tiles);
+        ssfr_json_number(json, "unstable", node->unstable);
     }
     ssfr_json_close(json);
 }

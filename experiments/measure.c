@@ -110,6 +110,8 @@ static ssfr_result summarise(ssfr_measured *m, const samples *s, const ssfr_repo
         m->iterations += node->iterations;
         m->vertices += node->vertices;
         m->bytes += node->bytes;
+        m->tiles += node->tiles;
+        m->unstable += node->unstable;
     }
 end:
     free(work);

@@ -29,7 +29,7 @@ typedef struct ssfr_measured {
     int n_nodes;
     ssfr_node_report *reports; /* of the last run; their texts are the graph's until it runs again */
     ssfr_timing *nodes;        /* beside each report; n = 0 where the node did not run or was not timed */
-    double taps, iterations, vertices, bytes; /* sums over the nodes */
+    double taps, iterations, vertices, bytes, tiles, unstable; /* sums over the nodes */
 } ssfr_measured;
 
 /* Runs the graph once untimed (shaders compile), then to warm up, then timed. */

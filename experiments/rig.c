@@ -378,6 +378,8 @@ static void put_times(const ssfr_measured *m, double bandwidth, double values[SS
     values[SSFR_COLUMN_taps] = m->taps;
     values[SSFR_COLUMN_iterations] = m->iterations;
     values[SSFR_COLUMN_bytes] = m->bytes;
+    values[SSFR_COLUMN_tiles] = m->tiles;
+    values[SSFR_COLUMN_unstable] = m->unstable;
     values[SSFR_COLUMN_roofline] = ssfr_measure_roofline(m->frame.median, m->bytes, bandwidth);
 }
 

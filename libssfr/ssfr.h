@@ -497,6 +497,8 @@ typedef struct ssfr_node_report {
     double taps;         /* image samples or particles a written pixel */
     double iterations;   /* sweeps over the image */
     double vertices;     /* vertices drawn */
+    double tiles;        /* of 32 x 32 pixels, that its sweeps draw in all */
+    double unstable;     /* pixels whose step of smoothing is longer than what keeps it stable */
 } ssfr_node_report;
 
 typedef struct ssfr_report {

@@ -11,5 +11,5 @@ void main()
     ivec2 at = ivec2(gl_FragCoord.xy);
     float z = fetch(t_depth, at).x;
     if (!is_surface(z)) discard;
-    o_smooth = z + min(u_dt, flow_limit(z)) * flow_rate(at, z, z);
+    o_smooth = z + flow_dt(z, u_dt) * flow_rate(at, z, z);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_adaptive_flow.c: how many steps each pixel takes and how wide they smooth; all ways to the end are the same. */
+#include "passes/curvature_flow.h"
 #include "tests/pass_util.h"
 
 enum { W = 36, H = 24 };
@@ -219,7 +220,8 @@ static void steps_are_the_plain_flow(void **state)
 
 static void all_stops_and_copies_give_the_same_bits(void **state)
 {
-    static const char *const constants[] = {"paper", "metres", "steps"}, *const stops[] = {"none", "query", "bound"};
+    static const char *const constants[] = {"paper", "metres", "steps"};
+    static const char *const stops[] = {"none", "query", "bound", "tiles"};
     test_twin *t = begin(state, W, H);
     const ssfr_field *depth = rough(t);
     set_radius(t, 0.3);
@@ -227,10 +229,10 @@ static void all_stops_and_copies_give_the_same_bits(void **state)
     for (int c = 0; c < 3; c++) {
         const ssfr_field *expected = NULL;
         test_twin_set(t, "constant", "%s", constants[c]);
-        for (int k = 0; k < 12; k++) {
-            test_twin_set(t, "stop", "%s", stops[k % 3]);
-            test_twin_set(t, "copy", "%d", k / 3 % 2);
-            test_twin_set(t, "query_interval", "%d", k < 6 ? 5 : 1);
+        for (int k = 0; k < 16; k++) {
+            test_twin_set(t, "stop", "%s", stops[k % 4]);
+            test_twin_set(t, "copy", "%d", k / 4 % 2);
+            test_twin_set(t, "query_interval", "%d", k < 8 ? 5 : 1);
             const ssfr_field *got = smooth(t, depth);
             if (!expected) expected = got;
             assert_true(test_same_bits(got, expected));
@@ -265,6 +267,61 @@ static void the_report_says_how_many_sweeps_there_were(void **state)
     smooth(t, flat);
     assert_true(report(t)->iterations == 256 && report(t)->taps == 5.0 * 256);
     assert_close(report(t)->bytes, bytes * 256 / n, 0, 1e-12);
+}
+
+/* Tiles that are each at their own distance, some of them empty, some half: beyond each other's reach. */
+static ssfr_field *patchwork(const test_twin *t, int tiles_x, int tiles_y)
+{
+    ssfr_field *depth = test_field(SSFR_TILE * tiles_x - 5, SSFR_TILE * tiles_y - 9, 1);
+    uint64_t random = 11;
+    for (int i = 0; i < depth->w * depth->h; i++) {
+        const int x = i % depth->w, y = i / depth->w, tile = x / SSFR_TILE + tiles_x * (y / SSFR_TILE);
+        const double z = -1.83 * pow(1.5, tile * 5 % 9) * (1 + test_random(&random, -1e-3, 1e-3));
+        depth->data[i] = tile % 4 == 1 || (tile % 4 == 2 && x % 7 < 3) ? -SSFR_EMPTY : z;
+    }
+    return rounded(t, depth);
+}
+
+static void tiles_that_are_done_are_left_out_and_no_bit_changes(void **state)
+{
+    static const char *const constants[] = {"paper", "metres", "steps"};
+    test_twin *t = begin(state, 4 * SSFR_TILE - 5, 3 * SSFR_TILE - 9);
+    const ssfr_field *depth = patchwork(t, 4, 3);
+    test_twin_set(t, "depth_falloff", "0.05");
+    for (int k = 0; k < 12; k++) {
+        test_twin_set(t, "constant", "%s", constants[k % 3]);
+        test_twin_set(t, "count", "%s", k / 3 % 2 ? "first" : "current");
+        test_twin_set(t, "unstable", "%s", k < 6 ? "substep" : "limit");
+        set_radius(t, k % 3 == 1 ? 6 * cell(t) : 0.13);
+        set_dt(t, 1.3 * bound(t, 1.83));
+        set_iterations(t, k % 3 == 2 ? 9 : 60);
+        test_twin_set(t, "stop", "bound");
+        const ssfr_field *expected = smooth(t, depth);
+        const double tiles = report(t)->tiles, taps = report(t)->taps, bytes = report(t)->bytes;
+        assert_true(tiles == 12 * report(t)->iterations);
+        test_twin_set(t, "stop", "tiles");
+        assert_true(test_same_bits(smooth(t, depth), expected));
+        assert_true(report(t)->tiles < 0.9 * tiles && report(t)->tiles > 12);
+        assert_close(report(t)->taps / taps, report(t)->tiles / tiles, 0, 1e-12);
+        assert_close(report(t)->bytes / bytes, report(t)->tiles / tiles, 0, 1e-12);
+    }
+}
+
+/* A tile is drawn once for each step, and once more, which finds it done; where there is no surface once in all. */
+static void the_report_says_how_many_tiles_were_drawn(void **state)
+{
+    test_twin *t = begin(state, 4 * SSFR_TILE, SSFR_TILE);
+    const double r_w = 1.7;
+    ssfr_field *depth = test_field_filled(4 * SSFR_TILE, SSFR_TILE, 1, -SSFR_EMPTY);
+    for (int i = 0; i < depth->w * depth->h; i++)
+        if (i % depth->w / SSFR_TILE < 3) depth->data[i] = terraces[i % depth->w / SSFR_TILE];
+    const int most = paper_steps(t, r_w, terraces[0]);
+    set_radius(t, r_w);
+    test_twin_set(t, "depth_falloff", "0.5");
+    test_twin_set(t, "stop", "tiles");
+    smooth(t, rounded(t, depth));
+    assert_true(report(t)->iterations == most);
+    assert_true(report(t)->tiles == most + paper_steps(t, r_w, terraces[1]) + paper_steps(t, r_w, terraces[2]) + 3);
 }
 
 /* ---- widths ------------------------------------------------------------------------------------------------------ */
@@ -319,8 +376,9 @@ static void metres_smooth_by_the_radius(void **state)
     const double sigma = 6.1 * cell(t) * distances[0];
     test_twin_set(t, "constant", "metres");
     set_radius(t, sigma);
-    for (int k = 0; k < 3; k++) {
-        set_dt(t, k == 0 ? 0.31 * bound(t, distances[0]) : k == 1 ? 0.7 * bound(t, distances[1]) : 1e9);
+    for (int k = 0; k < 4; k++) {
+        test_twin_set(t, "unstable", k == 3 ? "substep" : "limit");
+        set_dt(t, k == 0 ? 0.31 * bound(t, distances[0]) : k % 2 ? 0.7 * bound(t, distances[1]) : 1e9);
         for (size_t i = 0; i < SSFR_COUNT(distances); i++)
             assert_close(square_width(t, -distances[i]), sigma * sigma, 0, 1e-4);
     }
@@ -354,18 +412,10 @@ static double roughness(const ssfr_field *depth, double z0)
     return largest;
 }
 
-static void count_ripples(void *user, ssfr_level level, const char *where, const char *text)
-{
-    (void)where;
-    if (level == SSFR_WARNING && strstr(text, "adaptive_flow: without limit")) ++*(int *)user;
-}
-
 /* At the share s of the bound a checkerboard is multiplied by 1 - 2 s; the bound of -H / |z| is |z|^2 C / 2. */
-static void ripples_grow_only_without_limit_and_that_is_said(void **state)
+static void ripples_grow_only_where_that_is_allowed_and_that_is_said(void **state)
 {
     const double z0 = -3.3, a = 1e-3;
-    int n_warnings = 0;
-    ssfr_log_to(count_ripples, &n_warnings);
     for (int over_depth = 0; over_depth < 2; over_depth++) {
         test_twin *t = begin(state, W, H);
         const double stable = bound(t, z0) * (over_depth ? fabs(z0) : 1);
@@ -373,20 +423,47 @@ static void ripples_grow_only_without_limit_and_that_is_said(void **state)
         test_twin_set(t, "constant", "steps");
         test_twin_set(t, "evolution", "%s", over_depth ? "over_depth" : "curvature");
         set_iterations(t, 12);
-        test_twin_set(t, "limit", "0");
-        set_dt(t, 0.9 * stable);
-        assert_true(roughness(smooth(t, board), z0) < 0.2 * a);
-        assert_int_equal(n_warnings, over_depth);
+        for (int k = 0; k < 4; k++) { /* limit, substep, allow, refuse */
+            test_twin_set(t, "unstable", "%s", ssfr_curvature_flow_unstable[k < 2 ? k : 5 - k]);
+            set_dt(t, 0.9 * stable);
+            assert_true(roughness(smooth(t, board), z0) < 0.2 * a);
+            assert_true(report(t)->unstable == 0);
+            if (k == 3) break;
+            set_dt(t, 1.1 * stable);
+            assert_true(k == 2 ? roughness(smooth(t, board), z0) > 5 * a : roughness(smooth(t, board), z0) < 0.2 * a);
+            assert_true(report(t)->unstable == (k == 2 ? W * H : 0));
+            set_dt(t, 1e9);
+            if (k < 2) assert_true(roughness(smooth(t, board), z0) < 0.2 * a);
+        }
         set_dt(t, 1.1 * stable);
-        assert_true(roughness(smooth(t, board), z0) > 5 * a);
-        assert_int_equal(n_warnings, over_depth + 1);
-        test_twin_set(t, "limit", "1");
-        assert_true(roughness(smooth(t, board), z0) < 0.2 * a);
-        set_dt(t, 1e9);
-        assert_true(roughness(smooth(t, board), z0) < 0.2 * a);
-        assert_int_equal(n_warnings, over_depth + 1);
+        test_twin_give(t, "depth", board);
+        assert_fails(SSFR_ERR_UNSUPPORTED, ssfr_graph_run(t->graph, &t->scene, NULL),
+                     over_depth ? "m^3 is longer than 864 pixels (100 % of the image) bear"
+                                : "m^2 is longer than 864 pixels (100 % of the image) bear");
     }
-    test_capture_log(NULL);
+}
+
+/* The steps of each distance, each of them in as many parts as the nearest asks for. */
+static void parts_of_steps_add_up(void **state)
+{
+    test_twin *t = begin(state, W, H), *plain = begin_pass(state, "curvature_flow", W, H);
+    const double r_w = 1.7, dt = 3.1 * bound(t, terraces[0]);
+    const ssfr_field *depth = staircase(t, 1e-4);
+    test_twin_set(t, "depth_falloff", "0.5"), test_twin_set(plain, "depth_falloff", "0.5");
+    test_twin_set(t, "unstable", "substep");
+    set_radius(t, r_w);
+    set_dt(t, dt), set_dt(plain, dt / 4); /* 3.1 / 0.9, rounded up */
+    for (int stop = 0; stop < 2; stop++) {
+        test_twin_set(t, "stop", "%s", stop ? "tiles" : "query");
+        const ssfr_field *got = smooth(t, depth);
+        for (int k = 0; k < 3; k++) {
+            set_iterations(plain, 4 * paper_steps(t, r_w, terraces[k]));
+            const ssfr_field *expected = smooth(plain, depth);
+            for (int i = 0; i < W * H; i++)
+                if (i % W / (W / 3) == k) assert_close(got->data[i], expected->data[i], 0, t->gl ? 64 * t->eps : 0);
+        }
+    }
+    assert_true(report(t)->iterations == 4 * paper_steps(t, r_w, terraces[0]));
 }
 
 static void step_is_a_share_of_the_bound_of_the_evolution(void **state)
@@ -539,7 +616,8 @@ static void values_out_of_range_are_refused(void **state)
     test_twin_refuses(t, "query_interval", "0", "adaptive_flow.query_interval");
     test_twin_refuses(t, "threshold_min", "-2.385", "adaptive_flow.threshold_min");
     test_twin_refuses(t, "constant", "metre", "adaptive_flow.constant");
-    test_twin_refuses(t, "stop", "tiles", "adaptive_flow.stop");
+    test_twin_refuses(t, "stop", "tile", "adaptive_flow.stop");
+    test_twin_refuses(t, "unstable", "limits", "adaptive_flow.unstable");
 }
 
 int main(void)
@@ -552,11 +630,14 @@ int main(void)
         TEST_TWINS(steps_are_the_plain_flow),
         TEST_TWINS(all_stops_and_copies_give_the_same_bits),
         TEST_TWINS(the_report_says_how_many_sweeps_there_were),
+        TEST_TWINS(tiles_that_are_done_are_left_out_and_no_bit_changes),
+        TEST_TWINS(the_report_says_how_many_tiles_were_drawn),
         TEST_CPU(paper_smooths_alike_at_every_distance),
         TEST_CPU(a_fixed_number_smooths_by_the_root_of_the_distance),
         TEST_CPU(metres_smooth_by_the_radius),
         TEST_CPU(over_depth_smooths_alike_in_a_fixed_number_of_steps),
-        TEST_TWINS(ripples_grow_only_without_limit_and_that_is_said),
+        TEST_TWINS(ripples_grow_only_where_that_is_allowed_and_that_is_said),
+        TEST_TWINS(parts_of_steps_add_up),
         TEST_TWINS(step_is_a_share_of_the_bound_of_the_evolution),
         TEST_TWINS(threshold_makes_near_surfaces_count_as_far),
         TEST_TWINS(a_plane_that_faces_the_eye_stays),

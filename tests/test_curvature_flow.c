@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_curvature_flow.c: the rate by eq. 2.14 and by differential geometry; what grows, what stays, what spreads. */
+#include "passes/curvature_flow.h"
 #include "tests/pass_util.h"
 
 /* ---- one step ---------------------------------------------------------------------------------------------------- */
@@ -12,7 +13,7 @@ static test_twin *begin(void **state, int w, int h, double tan_y, double aspect)
     t->scene.camera.tan_y = tan_y;
     t->scene.camera.tan_x = tan_y * w / h * aspect;
     test_twin_place(t, 1, c, 10, NULL);
-    test_twin_set(t, "limit", "0");
+    test_twin_set(t, "unstable", "allow");
     return t;
 }
 
@@ -270,7 +271,7 @@ static void checkerboard_grows_only_beyond_the_bound(void **state)
     assert_true(roughness(flow(t, board, 60, 0.9 * bound(t, z0)), z0) < 0.1 * a);
     assert_close(roughness(flow(t, board, 1, 1.1 * bound(t, z0)), z0), 1.2 * a, 0.01 * a, 0);
     assert_true(roughness(flow(t, board, 12, 1.1 * bound(t, z0)), z0) > 5 * a);
-    test_twin_set(t, "limit", "1");
+    test_twin_set(t, "unstable", "limit");
     assert_true(roughness(flow(t, board, 60, 1.1 * bound(t, z0)), z0) < 0.1 * a);
     assert_true(roughness(flow(t, board, 60, 1e6), z0) < 0.1 * a);
 }
@@ -310,7 +311,7 @@ static void limit_is_safe_for_every_form_and_pixel(void **state)
     for (size_t i = 0; i < SSFR_COUNT(surfaces); i++)
         for (size_t k = 0; k < SSFR_COUNT(aspects); k++) {
             test_twin *t = begin(state, 24, 20, 2 / fmax(1, aspects[k]), aspects[k]);
-            test_twin_set(t, "limit", "1");
+            test_twin_set(t, "unstable", "limit");
             for (int off_axis = 0; off_axis < 2; off_axis++) {
                 test_twin_set(t, "off_axis", "%d", off_axis);
                 assert_true(growth(t, surfaces[i]) < 1);
@@ -327,9 +328,9 @@ static void limit_is_each_pixels_own(void **state)
     for (int i = 0; i < 32 * 24; i++) depth->data[i] = (i % 32 < 16 ? -1.5 : -6) + test_random(&random, -1e-3, 1e-3);
     if (t->gl) ssfr_field_round(depth);
     test_twin_set(t, "depth_falloff", "0.1"); /* 1 m */
-    test_twin_set(t, "limit", "1");
+    test_twin_set(t, "unstable", "limit");
     const ssfr_field *limited = flow(t, depth, 1, 1e9);
-    test_twin_set(t, "limit", "0");
+    test_twin_set(t, "unstable", "allow");
     const ssfr_field *left = flow(t, depth, 1, 0.9 * bound(t, 1.5)), *right = flow(t, depth, 1, 0.9 * bound(t, 6));
     for (int i = 0; i < 32 * 24; i++) {
         const double expected = i % 32 < 16 ? left->data[i] : right->data[i];
@@ -337,6 +338,62 @@ static void limit_is_each_pixels_own(void **state)
         assert_close(limited->data[i] - depth->data[i], expected - depth->data[i], 8 * t->eps, 2e-3);
     }
     assert_true(test_difference(limited, depth) > 1e-4);
+}
+
+/* How many pixels of an image bear less than dt, by the bound of each. */
+static int count_unstable(const test_twin *t, const ssfr_field *depth, double dt, bool off_axis)
+{
+    int n = 0;
+    for (int y = 0; y < depth->h; y++)
+        for (int x = 0; x < depth->w; x++) {
+            const double z = *ssfr_field_at(depth, x, y);
+            const test_ray at = test_ray_at(t, x, y, 1);
+            const double away = off_axis ? pow(1 + at.u * at.u + at.v * at.v, 1.5) : 1;
+            n += ssfr_is_surface(z) && dt > bound(t, z) / away;
+        }
+    return n;
+}
+
+static void pixels_that_step_beyond_their_bound_are_counted(void **state)
+{
+    test_twin *t = begin(state, 32, 24, 0.5, 1);
+    ssfr_field *depth = draw(t, leaning);
+    for (int i = 5; i < 32 * 24; i += 50) depth->data[i] = -SSFR_EMPTY;
+    for (int k = 0; k < 2; k++) {
+        const double dt = bound(t, 2.3007) * (k ? 0.7 : 1);
+        const int n = count_unstable(t, depth, dt, k);
+        test_twin_set(t, "off_axis", "%d", k);
+        test_twin_set(t, "unstable", "allow");
+        flow(t, depth, 3, dt);
+        assert_true(n > 32 && n < 32 * 24 - 32);
+        assert_true(ssfr_graph_report(t->graph)->nodes->unstable == n);
+        char text[64];
+        snprintf(text, sizeof text, "is longer than %d pixels", n);
+        test_twin_set(t, "unstable", "refuse");
+        assert_fails(SSFR_ERR_UNSUPPORTED, ssfr_graph_run(t->graph, &t->scene, NULL), text);
+        flow(t, depth, 3, 0.5 * dt);
+        assert_true(ssfr_graph_report(t->graph)->nodes->unstable == 0);
+    }
+}
+
+/* 5.3 times the bound of the nearest pixel is cut into ceil(5.3 / 0.9) = 6 parts. */
+static void a_step_beyond_the_bound_is_cut_into_equal_parts(void **state)
+{
+    static const double behind[1][3] = {{0, 0, 11}}; /* how near the fluid is, the depth alone tells */
+    test_twin *t = begin(state, 32, 24, 0.5, 1);
+    const double z0 = -2.5, a = 1e-3, dt = 5.3 * bound(t, z0 + a);
+    ssfr_field *board = checkerboard(32, 24, z0, a);
+    if (t->gl) ssfr_field_round(board);
+    test_twin_place(t, 1, behind, 10, NULL);
+    const ssfr_field *parts = flow(t, board, 18, dt / 6);
+    test_twin_set(t, "unstable", "substep");
+    assert_true(test_same_bits(flow(t, board, 3, dt), parts));
+    assert_true(roughness(parts, z0) < 0.1 * a);
+    assert_true(ssfr_graph_report(t->graph)->nodes->iterations == 18);
+    assert_true(test_same_bits(flow(t, board, 18, dt / 6), parts)); /* which needs no cut */
+    test_clear_log();
+    assert_true(roughness(flow(t, board, 2, 1e9), z0) < 0.1 * a);
+    assert_true(ssfr_graph_report(t->graph)->nodes->iterations == 2 * SSFR_CURVATURE_FLOW_PARTS);
 }
 
 /* `step` is a share of the bound at the mean or the nearest distance; off the axis that of the image's corner. */
@@ -570,6 +627,7 @@ static void low_resolution_has_wider_pixels(void **state)
 static void flow_refuses_values_out_of_range(void **state)
 {
     test_twin *t = begin(state, 8, 8, 0.5, 1);
+    test_twin_refuses(t, "unstable", "yes", "curvature_flow.unstable");
     test_twin_refuses(t, "iterations", "-1", "curvature_flow.iterations");
     test_twin_refuses(t, "iterations", "2.385", "curvature_flow.iterations");
     test_twin_refuses(t, "step", "0", "curvature_flow.step");
@@ -589,6 +647,8 @@ int main(void)
         TEST_TWINS(checkerboard_grows_only_beyond_the_bound),
         TEST_TWINS(limit_is_safe_for_every_form_and_pixel),
         TEST_TWINS(limit_is_each_pixels_own),
+        TEST_TWINS(pixels_that_step_beyond_their_bound_are_counted),
+        TEST_TWINS(a_step_beyond_the_bound_is_cut_into_equal_parts),
         TEST_TWINS(step_is_a_share_of_the_bound_at_a_distance),
         TEST_TWINS(step_without_particles_knows_the_depth_that_is_given),
         TEST_TWINS(nothing_crosses_a_step_beyond_the_falloff),

@@ -196,10 +196,10 @@ static const extreme params[] = {
 };
 
 static const extreme unstable[] = {
-    PARAMS("curvature_flow.limit=0", "curvature_flow.step=2", "curvature_flow.iterations=500"),
-    PARAMS("curvature_flow.limit=0", "curvature_flow.step=100"),
-    PARAMS("curvature_flow.limit=0", "curvature_flow.step=100", "curvature_flow.off_axis=1"),
-    PARAMS("curvature_flow.limit=0", "curvature_flow.dt=1e12"),
+    PARAMS("curvature_flow.unstable=allow", "curvature_flow.step=2", "curvature_flow.iterations=500"),
+    PARAMS("curvature_flow.unstable=allow", "curvature_flow.step=100"),
+    PARAMS("curvature_flow.unstable=allow", "curvature_flow.step=100", "curvature_flow.off_axis=1"),
+    PARAMS("curvature_flow.unstable=allow", "curvature_flow.dt=1e12"),
     PARAMS("noise_normals.height=100", "surface_noise.frequency=64"),
     PARAMS("composite.specular=100", "light.intensity=1000"),
 };

@@ -17,7 +17,7 @@ static test_twin *begin(void **state, int w, int h)
     static const double c[1][3] = {{0, 0, -2.385}};
     test_twin *t = test_twin_create(state, "curvature_flow", w, h);
     test_twin_place(t, 1, c, 10, NULL);
-    test_twin_set(t, "limit", "0");
+    test_twin_set(t, "unstable", "allow");
     return t;
 }
 
@@ -170,7 +170,7 @@ static void the_twins_steps_converge_with_order_one(void **state)
     const ssfr_field *depth = bump(24, 20);
     for (int form = 0; form < 4; form++) {
         ssfr_flow_report report;
-        test_twin_set(t, "limit", "%d", form % 2);
+        test_twin_set(t, "unstable", "%s", form % 2 ? "limit" : "allow");
         test_twin_set(t, "off_axis", "%d", form / 2);
         setting *s = prepare(t, depth, 10, (form % 2 ? 7 : 0.9) * bound(t, z0));
         const ssfr_field *exact = flow(s, SSFR_FLOW_RK8PD, &report);
@@ -341,7 +341,7 @@ static void jacobian_is_that_of_differences(void **state)
         size_t n = 0;
         double *matrix = NULL;
         test_twin_set(t, "off_axis", "%d", form % 2);
-        test_twin_set(t, "limit", "%d", form / 2);
+        test_twin_set(t, "unstable", "%s", form / 2 ? "limit" : "allow");
         setting *s = prepare(t, depth, 1, bound(t, z0));
         assert_int_equal(ssfr_flow_jacobian(&s->run, &n, &matrix), SSFR_OK);
         assert_int_equal(n, W * H - 1);
@@ -391,7 +391,7 @@ static void wild_depths_never_make_nan(void **state)
             ssfr_field *depth = noisy(5, 4, 2.3, 5 + i);
             for (int k = 0; k < 5 * 4; k++) depth->data[k] *= scales[i];
             test_twin_set(t, "off_axis", "%d", form % 2);
-            test_twin_set(t, "limit", "%d", form / 2);
+            test_twin_set(t, "unstable", "%s", form / 2 ? "limit" : "allow");
             test_twin_set(t, "depth_falloff", "%g", i % 2 ? 1e6 : 0.05);
             setting *s = prepare(t, depth, 3, 0.9 * bound(t, z0 * scales[i]));
             for (int method = 0; method < SSFR_N_FLOWS; method++) {

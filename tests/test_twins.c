@@ -84,7 +84,7 @@ static int count_failures(const ssfr_pass *pass, const ssfr_stage *stage, const 
     int n = 0, n_failed = 0;
     test_clear_log();
     const ssfr_result result = ssfr_twins_compare(pass, &stage->scene, gl, settings, rows, &n);
-    if (result == SSFR_ERR_UNSUPPORTED && corner[0]) return 0; /* a limit of this GPU, which it says */
+    if (result == SSFR_ERR_UNSUPPORTED && corner[0]) return 0; /* a limit of this GPU, or what it is told to refuse */
     if (result != SSFR_OK) {
         print_error("%s on %s with \"%s\": %s\n", ssfr_pass_name(pass), stage->name, corner, test_last_error());
         n_failed = 1;

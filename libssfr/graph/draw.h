@@ -7,14 +7,15 @@
 #include "gl/gl.h"
 #include "graph/pass.h"
 
-/* Storage buffer bindings; shaders/particles.glsl, splat.vert, streak.vert, surface_noise.frag, tiles.vert and
- * environment.glsl repeat them. */
+/* Storage buffer bindings; shaders/particles.glsl, splat.vert, streak.vert, surface_noise.frag, tiles.vert,
+ * environment.glsl and curvature_flow.glsl repeat them. */
 enum {
     SSFR_BIND_POSITION, SSFR_BIND_OFFSET, SSFR_BIND_TILES, SSFR_BIND_ID, SSFR_BIND_SOLID_TILES, SSFR_BIND_NODES,
     SSFR_BIND_TRIANGLES,
     /* Of passes that draw particles, which trace nothing: the values that a pass reads, in the order of its ports. GL
      * promises 8 bindings in all. */
     SSFR_BIND_VALUES = SSFR_BIND_SOLID_TILES,
+    SSFR_BIND_WORDS = 7, /* lent to a run */
 };
 enum { SSFR_UNIT_ENVIRONMENT = 15 }; /* beyond the units of a pass's inputs */
 

@@ -413,6 +413,7 @@ static void destroy_gl(ssfr_graph *graph)
     for (size_t i = 0; i < SSFR_COUNT(buffers); i++) ssfr_buffer_destroy(buffers[i]);
     for (int i = 0; i < SSFR_N_SLOTS; i++) ssfr_buffer_destroy(&graph->neutral_buffers[i]);
     for (int i = 0; i < graph->n_resources; i++) ssfr_buffer_destroy(&graph->resources[i].values.buffer);
+    for (int i = 0; i < graph->n_nodes; i++) ssfr_buffer_destroy(&graph->nodes[i].word_buffer);
     ssfr_texture_finish(&graph->environment);
     if (graph->sampler) glDeleteSamplers(1, &graph->sampler);
     ssfr_timers_finish(&graph->timers);
@@ -443,7 +444,7 @@ void ssfr_graph_destroy(ssfr_graph **graph)
     }
     ssfr_values_finish(g);
     free(g->timers.queries); /* still there when the context is gone */
-    for (int i = 0; i < g->n_nodes; i++) free(g->nodes[i].params), free(g->nodes[i].coeffs);
+    for (int i = 0; i < g->n_nodes; i++) free(g->nodes[i].params), free(g->nodes[i].coeffs), free(g->nodes[i].words);
     for (int i = 0; i < g->n_keys && g->keys; i++) free(g->keys[i]);
     free(g->keys);
     ssfr_frame_finish(&g->frame);

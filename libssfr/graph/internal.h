@@ -72,6 +72,9 @@ typedef struct node {
     int in[SSFR_MAX_PORTS], out[SSFR_MAX_OUTPUTS]; /* resources */
     int divisor_out[SSFR_MAX_OUTPUTS];             /* of what the node itself writes */
     image scratch[SSFR_MAX_SCRATCH];
+    uint32_t *words;      /* lent to its run */
+    unsigned word_buffer; /* GL */
+    size_t cap_words, cap_word_buffer;
     unsigned programs[SSFR_MAX_PROGRAMS];
     char defines[SSFR_MAX_PROGRAMS][SSFR_DEFINES]; /* that they were made with, beside those of their rows */
     int locations[SSFR_MAX_PROGRAMS][SSFR_MAX_UNIFORMS];

@@ -13,7 +13,8 @@
 
 enum { SSFR_MAX_PORTS = 12, SSFR_MAX_OUTPUTS = 4, SSFR_MAX_SCRATCH = 2, SSFR_MAX_PROGRAMS = 4,
        SSFR_MAX_VALUES = 4, /* ports of a pass that carry values of particles */
-       SSFR_DEFINES = 64 /* bytes */ };
+       SSFR_DEFINES = 96 /* bytes */,
+       SSFR_COUNTS = 2 /* the first of the words that a run is lent: the GPU gives them back */ };
 
 typedef enum ssfr_slot_id {
     SSFR_NO_SLOT, /* a port that is not named in a node keeps its own slot */
@@ -91,6 +92,9 @@ typedef struct ssfr_run {
     const ssfr_field *in[SSFR_MAX_PORTS];
     ssfr_field *out[SSFR_MAX_OUTPUTS];
     ssfr_field *scratch[SSFR_MAX_SCRATCH];
+    /* As many as n_words says, zero at first. On the GPU a buffer of the shaders is in their place, and when the frame
+     * is finished its first SSFR_COUNTS stand here. */
+    uint32_t *words;
     /* Ports that carry values of particles are counted apart: the j-th is values[j]; NULL past the last. */
     const ssfr_values *values[SSFR_MAX_VALUES];
     size_t n_valued[SSFR_MAX_VALUES]; /* particles in view with a value that is not 0; not for particles_run */
@@ -118,6 +122,7 @@ struct ssfr_pass {
     const ssfr_param *params;
     size_t params_size, coeffs_size;
     int n_scratch;     /* images like output 0 that the graph lends */
+    size_t (*n_words)(const ssfr_run *run); /* that the graph lends, 0 or from SSFR_COUNTS; NULL: none */
     double taps;       /* samples a written pixel, where they are always as many; 0: one of each input */
     bool whole_screen; /* writes every pixel; else only tiles with fluid, the rest is neutral */
     bool uses_ids;     /* draws particles by id: the ids are uploaded */
@@ -148,8 +153,11 @@ struct ssfr_pass {
     /* NULL: program 0, once over the outputs. */
     ssfr_result (*gl_run)(const ssfr_run *run);
 
-    /* Fills taps, iterations, vertices and bytes of the report; the graph has put in one sweep that reads each input
-     * and writes each output once. NULL: that is right. */
+    /* Of a finished frame: fails where its counts say that it cannot stand. NULL: it always can. */
+    ssfr_result (*check)(const ssfr_run *run);
+
+    /* Of a finished frame: fills the report's taps, iterations, vertices, bytes, tiles and unstable; the graph has put
+     * in one sweep that reads each input and writes each output once. NULL: that is right. */
     void (*work)(const ssfr_run *run, ssfr_node_report *report);
     ssfr_tolerance tolerance;
 };

@@ -3,6 +3,7 @@
 #include "graph/internal.h"
 #include "scene/mesh.h"
 
+#include <assert.h>
 #include <epoxy/gl.h>
 
 /* ---- what the GPU needs once a frame ----------------------------------------------------------------------------- */
@@ -264,8 +265,35 @@ static void begin_field(ssfr_field *field, const ssfr_field *as)
             memcpy(ssfr_field_at(field, x, y), ssfr_field_fetch(as, x, y), (size_t)field->c * sizeof *field->data);
 }
 
-static void run_on_cpu(ssfr_graph *graph, node *n)
+/* Words for this run, all zero: in memory for both, for the counts that the GPU gives back. */
+static ssfr_result lend_words(ssfr_graph *graph, node *n)
 {
+    ssfr_result result = SSFR_OK;
+    const size_t n_words = n->pass->n_words ? n->pass->n_words(&n->run) : 0;
+    n->run.words = NULL;
+    if (n_words == 0) return SSFR_OK;
+    assert(n_words >= SSFR_COUNTS && ssfr_port_of_values(n->pass->inputs, SSFR_BIND_WORDS - SSFR_BIND_VALUES) < 0);
+    if (n_words > n->cap_words) {
+        free(n->words);
+        n->cap_words = 0;
+        SSFR_TRY(ssfr_alloc(&n->words, n_words, sizeof *n->words, "words of a run"));
+        n->cap_words = n_words;
+        graph->grew++;
+    }
+    memset(n->words, 0, n_words * sizeof *n->words);
+    n->run.words = n->words;
+    if (graph->gl) {
+        SSFR_TRY(grow(graph, &n->word_buffer, &n->cap_word_buffer, n_words, sizeof *n->words));
+        glClearNamedBufferData(n->word_buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, SSFR_BIND_WORDS, n->word_buffer);
+    }
+end:
+    return result;
+}
+
+static ssfr_result run_on_cpu(ssfr_graph *graph, node *n)
+{
+    ssfr_result result = SSFR_OK;
     ssfr_run *run = &n->run;
     for (int k = 0; k < n->n_in; k++) run->in[k] = graph->resources[n->in[k]].image->field;
     for (int k = 0; k < n->n_out; k++) {
@@ -276,7 +304,10 @@ static void run_on_cpu(ssfr_graph *graph, node *n)
         run->scratch[k] = n->scratch[k].field;
         if (!n->pass->whole_screen) begin_field(run->scratch[k], begins_as(graph, n, 0)->field);
     }
+    SSFR_TRY(lend_words(graph, n));
     n->pass->cpu_run(run);
+end:
+    return result;
 }
 
 static ssfr_result begin_texture(const ssfr_graph *graph, const node *n, int k, const ssfr_texture *texture)
@@ -392,6 +423,7 @@ static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
     if (n->pass->uses_ids) SSFR_TRY(upload_ids(graph));
     bind_shared(graph);
     SSFR_TRY(bind_values(graph, n));
+    SSFR_TRY(lend_words(graph, n));
     SSFR_TRY(fill_draw(graph, n));
     SSFR_TRY(fit_programs(graph, n));
     for (int i = 0; n->pass->programs[i].vert; i++) set_uniforms(n, i);
@@ -406,6 +438,12 @@ static double covered_px(const ssfr_graph *graph, const node *n)
 {
     const double px = (double)n->run.w * (double)n->run.h;
     return n->pass->whole_screen ? px : px * graph->frame.facts.covered;
+}
+
+static int drawn_tiles(const ssfr_graph *graph, const node *n)
+{
+    const ssfr_facts *facts = &graph->frame.facts;
+    return n->pass->whole_screen ? facts->tiles_x * facts->tiles_y : facts->n_tiles;
 }
 
 /* The neutral value is no more than a uniform. */
@@ -431,6 +469,7 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
     for (int k = 0; k < n->n_out; k++)
         report->bytes += 4.0 * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
     if (n->pass->work) n->pass->work(&n->run, report);
+    if (report->tiles == 0) report->tiles = report->iterations * drawn_tiles(graph, n);
 }
 
 static ssfr_result run_node(ssfr_graph *graph, int i, bool timing)
@@ -450,12 +489,25 @@ static ssfr_result run_node(ssfr_graph *graph, int i, bool timing)
         if (timing) ssfr_timers_stop(&graph->timers, i);
     } else {
         const double start = ssfr_clock();
-        run_on_cpu(graph, n);
+        SSFR_TRY(run_on_cpu(graph, n));
         if (timing) report->ms = 1e3 * (ssfr_clock() - start);
     }
-    count_work(graph, n, report);
 end:
     return result;
+}
+
+/* What is known of a node when all that was drawn is there. */
+static ssfr_result finish_node(ssfr_graph *graph, int i, bool timing)
+{
+    node *n = &graph->nodes[i];
+    ssfr_node_report *report = &graph->reports[i];
+    if (graph->gl && timing) report->ms = ssfr_timers_ms(&graph->timers, i);
+    if (graph->gl && n->run.words) {
+        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        glGetNamedBufferSubData(n->word_buffer, 0, SSFR_COUNTS * sizeof *n->words, n->words);
+    }
+    count_work(graph, n, report);
+    return n->pass->check ? n->pass->check(&n->run) : SSFR_OK;
 }
 
 /* ---- the frame --------------------------------------------------------------------------------------------------- */
@@ -506,12 +558,13 @@ static ssfr_result copy_export(const ssfr_graph *graph)
     return ssfr_draw_copy(&draw, from, to);
 }
 
-static ssfr_result run_nodes(ssfr_graph *graph, bool timing)
+/* Runs, or finishes, every node that the plan left in. */
+static ssfr_result each_node(ssfr_graph *graph, bool timing, ssfr_result (*what)(ssfr_graph *, int, bool))
 {
     ssfr_result result = SSFR_OK;
     for (int i = 0; i < graph->n_nodes; i++)
         if (graph->reports[i].status == SSFR_RAN && !graph->nodes[i].pass->particles_run)
-            SSFR_TRY(run_node(graph, i, timing));
+            SSFR_TRY(what(graph, i, timing));
 end:
     return result;
 }
@@ -521,12 +574,10 @@ static ssfr_result run_frame_on_gpu(ssfr_graph *graph, bool timing)
     ssfr_result result = SSFR_OK;
     SSFR_TRY(ssfr_gl_begin(graph->gl));
     result = upload_frame(graph);
-    if (result == SSFR_OK) result = run_nodes(graph, timing);
+    if (result == SSFR_OK) result = each_node(graph, timing, run_node);
     if (result == SSFR_OK) result = copy_export(graph);
     glFinish();
-    for (int i = 0; i < graph->n_nodes && timing && result == SSFR_OK; i++)
-        if (graph->reports[i].status == SSFR_RAN && !graph->nodes[i].pass->particles_run)
-            graph->reports[i].ms = ssfr_timers_ms(&graph->timers, i);
+    if (result == SSFR_OK) result = each_node(graph, timing, finish_node);
     result = ssfr_gl_end(graph->gl, result);
 end:
     return result;
@@ -584,8 +635,12 @@ ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scene *scene, const ssf
     SSFR_TRY(ssfr_plan(graph, o->keep_all));
     report_values(graph, o->timing);
     graph->report.cpu_ms = 1e3 * (ssfr_clock() - start);
-    if (graph->gl) SSFR_TRY(run_frame_on_gpu(graph, o->timing));
-    else SSFR_TRY(run_nodes(graph, o->timing));
+    if (graph->gl) {
+        SSFR_TRY(run_frame_on_gpu(graph, o->timing));
+    } else {
+        SSFR_TRY(each_node(graph, o->timing, run_node));
+        SSFR_TRY(each_node(graph, o->timing, finish_node));
+    }
     graph->ran = true;
 end:
     graph->report.n_nodes = graph->n_nodes;

@@ -7,7 +7,13 @@
  *     metres   n dt = sigma^2 / (C |z|), the last step in part: a width of sigma, also where the limit shortens dt
  *     steps    n as it is: what sec. 3.1 improves, and, with z_t = -H / |z|, what it rejects: a width of sqrt(n dt C)
  *
- * No pixel takes more steps than the nearest particle in view needs, so that their number is known before the first. */
+ * No pixel takes more steps than the nearest particle in view needs, so that their number is known before the first.
+ * A pixel whose step is past its own number never changes again, and neither does a tile of such pixels. With
+ * stop=tiles the fragments that take step i mark their tile with i + 1 in a storage buffer, and the vertex shader of the
+ * next step collapses the tiles without that mark. The CPU waits for nothing and asks for nothing, a step costs a
+ * memory barrier, and a dropped tile six vertices. Indirect draws of a list of tiles, which a compute shader would
+ * gather after each step, spare these vertices, which are few beside a tile's 1024 pixels, for a dispatch and a second
+ * barrier a step. */
 #include "passes/adaptive_flow.h"
 
 #include "graph/draw.h"
@@ -23,7 +29,7 @@ typedef struct adaptive_flow_params {
 static const char *const constants[] = {"paper", "metres", "steps", NULL};
 static const char *const counts[] = {"current", "first", NULL};
 static const char *const evolutions[] = {"curvature", "over_depth", NULL};
-static const char *const stops[] = {"none", "query", "bound", NULL};
+static const char *const stops[] = {"none", "query", "bound", "tiles", NULL};
 
 /* The default radius: for the nearest and the farthest hundredth of the pixels, the iterations that the paper tells of
  * figures 5.1, 5.2 and 5.5 ask for 10, 7 and 15 particle radii in these scenes as they are rebuilt here (at half of
@@ -44,7 +50,8 @@ static const ssfr_param rows[] = {
                     "nearer surfaces count as this far in H, min(z, thresholdMin) of listing A.13; 0: off"),
     SSFR_PARAM_CHOICE(adaptive_flow_params, stop, stops, SSFR_ADAPTIVE_FLOW_BOUND,
                       "none: all `iterations` are drawn; query: until an occlusion query finds nothing changed, as "
-                      "printed; bound: as many as the nearest particle in view needs; the depths are the same"),
+                      "printed; bound: as many as the nearest particle in view needs; tiles: as many, each over the "
+                      "tiles alone in which the last one changed something; the depths are the same"),
     SSFR_PARAM_INT(adaptive_flow_params, query_interval, "1", 5, 1, 100000, "steps from one query to the next"),
     SSFR_PARAM_FLAG(adaptive_flow_params, copy, 0,
                     "copy the image for each step and discard what it leaves, as listing A.11; off: write that too"),
@@ -56,13 +63,12 @@ static const ssfr_uniform uniforms[] = {
     {"u_threshold", offsetof(ssfr_adaptive_flow_coeffs, flow.threshold), 1},
     {"u_over_depth", offsetof(ssfr_adaptive_flow_coeffs, flow.over_depth), 0},
     {"u_most", offsetof(ssfr_adaptive_flow_coeffs, flow.iterations), 0},
+    {"u_parts", offsetof(ssfr_adaptive_flow_coeffs, flow.parts), 0},
     {"u_need", offsetof(ssfr_adaptive_flow_coeffs, need), 1},
     {"u_constant", offsetof(ssfr_adaptive_flow_coeffs, constant), 0},
     {"u_by_first", offsetof(ssfr_adaptive_flow_coeffs, by_first), 0},
     {NULL, 0, 0},
 };
-
-enum { AT_STEP = 1 }; /* location of the uniform, as adaptive_flow.frag has it */
 
 /* ---- how many steps ---------------------------------------------------------------------------------------------- */
 
@@ -74,34 +80,21 @@ static bool takes_steps(const adaptive_flow_params *p)
 /* The shortest dt, m^2, of a pixel as near as the nearest particle in view. */
 static double shortest_dt(const ssfr_run *run, const ssfr_curvature_flow_coeffs *c)
 {
-    const double z = fmax(run->frame->facts.nearest, -c->threshold);
-    return fmin(c->over_depth ? c->dt / z : c->dt, c->limit * z / ssfr_curvature_flow_corner(run, c->off_axis));
+    double dt, bound;
+    ssfr_curvature_flow_worst(run, c, &dt, &bound);
+    return fmin(dt, c->limit * bound / c->bound);
 }
 
-/* How many steps the nearest particle in view needs; a hundred-thousandth more, for floats may round up. */
-static int most_steps(const ssfr_run *run, const ssfr_adaptive_flow_coeffs *c)
+/* How many steps, those of parts, the nearest particle in view needs; a hundred-thousandth more, for floats may round
+ * up. At most `cap`. */
+static int most_steps(const ssfr_run *run, const ssfr_adaptive_flow_coeffs *c, int cap)
 {
-    const adaptive_flow_params *p = run->params;
     double steps = c->need / run->frame->facts.nearest;
-    if (!takes_steps(p)) return 0;
-    if (c->constant == SSFR_ADAPTIVE_FLOW_STEPS) return p->iterations;
-    if (c->constant == SSFR_ADAPTIVE_FLOW_METRES) steps /= shortest_dt(run, &c->flow);
-    return (int)fmin(p->iterations, floor(steps * (1 + 1e-5)) + 2);
-}
-
-/* Beyond the bound ripples may grow; the limit cuts them short, and without it that is said. */
-static void warn_of_ripples(const ssfr_run *run, const ssfr_curvature_flow_coeffs *c)
-{
-    const adaptive_flow_params *p = run->params;
-    ssfr_curvature_flow_coeffs limited;
-    ssfr_curvature_flow_params safe = p->flow;
-    safe.limit = 1;
-    ssfr_curvature_flow_derive(run, &safe, &limited);
-    limited.dt = SSFR_EMPTY, limited.threshold = c->threshold;
-    const double bound = shortest_dt(run, &limited) / SSFR_CURVATURE_FLOW_SAFE, dt = shortest_dt(run, c);
-    if (dt > bound)
-        ssfr_log(SSFR_WARNING, "adaptive_flow: without limit a step of %.3g m^2, where %.3g is stable (%.3g m away)",
-                 dt, bound, run->frame->facts.nearest);
+    if (!takes_steps(run->params)) return 0;
+    if (c->constant == SSFR_ADAPTIVE_FLOW_STEPS) return cap;
+    const bool metres = c->constant == SSFR_ADAPTIVE_FLOW_METRES;
+    if (metres) steps /= shortest_dt(run, &c->flow);
+    return (int)fmin(cap, (floor(steps * (1 + 1e-5)) + 2) * (metres ? 1 : c->flow.parts));
 }
 
 static void derive(const ssfr_run *run, void *coeffs)
@@ -116,9 +109,13 @@ static void derive(const ssfr_run *run, void *coeffs)
     if (p->evolution && p->flow.dt == 0) c->flow.dt *= ssfr_curvature_flow_distance(run, &p->flow);
     if (p->threshold_min > 0) c->flow.threshold = -p->threshold_min;
     c->need = (c->constant == SSFR_ADAPTIVE_FLOW_METRES ? r_w * r_w : r_w) / c->flow.c[0];
-    c->flow.iterations = most_steps(run, c);
-    c->sweeps = p->stop == SSFR_ADAPTIVE_FLOW_BOUND || !takes_steps(p) ? c->flow.iterations : p->iterations;
-    if (!p->flow.limit && c->sweeps) warn_of_ripples(run, &c->flow);
+    c->flow.live_tiles = p->stop == SSFR_ADAPTIVE_FLOW_TILES;
+    c->flow.iterations = p->iterations;
+    ssfr_curvature_flow_cut(run, &p->flow, &c->flow);
+    const int cap = c->flow.iterations;
+    const bool known = p->stop == SSFR_ADAPTIVE_FLOW_BOUND || c->flow.live_tiles || !takes_steps(p);
+    c->flow.iterations = most_steps(run, c, cap);
+    c->sweeps = known ? c->flow.iterations : cap;
 }
 
 static bool needed(const ssfr_run *run)
@@ -133,11 +130,12 @@ static ssfr_result draw_step(const ssfr_run *run, int i, const ssfr_texture *fro
 {
     ssfr_result result = SSFR_OK;
     const ssfr_adaptive_flow_coeffs *c = run->coeffs;
-    const unsigned program = ssfr_curvature_flow_program(run);
+    const unsigned program = run->draw->programs[0];
     const bool asks = ssfr_adaptive_flow_asks(c, i), copies = c->copy || asks;
     if (copies) SSFR_TRY(ssfr_draw_copy(run->draw, from, to));
     ssfr_draw_bind(run->draw, 0, from);
-    glProgramUniform2i(program, AT_STEP, i, copies);
+    glProgramUniform2i(program, SSFR_CURVATURE_FLOW_AT_STEP, i, copies);
+    if (c->flow.live_tiles) glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     if (asks) ssfr_gl_watch_begin(run->draw->gl);
     result = ssfr_draw_screen(run, program, 1, &to);
     if (asks) *over = !ssfr_gl_watch_end(run->draw->gl);
@@ -170,10 +168,20 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
 {
     const ssfr_adaptive_flow_coeffs *c = run->coeffs;
     const ssfr_adaptive_flow_done *done = c->at;
+    const double tiles = run->frame->facts.n_tiles, all = done->sweeps * tiles;
     report->iterations = done->sweeps;
-    report->taps = (ssfr_curvature_flow_taps(&c->flow) + c->by_first) * done->sweeps + done->copies;
-    report->bytes *= fmax(done->sweeps, 1);
+    report->unstable = ssfr_curvature_flow_n_unstable(run);
+    /* The first sweep draws all tiles, each later one those that the one before it marked. */
+    report->tiles = c->flow.live_tiles && all > 0 ? tiles + run->words[SSFR_CURVATURE_FLOW_N_LIVE] : all;
+    const double sweeps = tiles > 0 ? report->tiles / tiles : 0; /* over all tiles */
+    report->taps = (ssfr_curvature_flow_taps(&c->flow) + c->by_first) * sweeps + done->copies;
+    report->bytes *= fmax(sweeps, 1);
     report->bytes += 2.0 * sizeof(float) * run->w * run->h * done->copies; /* of whole images */
+}
+
+static ssfr_result check(const ssfr_run *run)
+{
+    return ssfr_curvature_flow_check(run, "adaptive_flow");
 }
 
 const ssfr_pass ssfr_adaptive_flow = {
@@ -186,13 +194,16 @@ const ssfr_pass ssfr_adaptive_flow = {
     .params_size = sizeof(adaptive_flow_params),
     .coeffs_size = sizeof(ssfr_adaptive_flow_coeffs),
     .n_scratch = 1,
+    .n_words = ssfr_curvature_flow_words,
     .derive = derive,
     .needed = needed,
     .needless = "a radius of 0, no iterations, or no fluid in view",
     .cpu_run = ssfr_adaptive_flow_cpu,
     .programs = SSFR_CURVATURE_FLOW_PROGRAMS("adaptive_flow.frag"),
+    .defines = ssfr_curvature_flow_defines,
     .uniforms = uniforms,
     .gl_run = gl_run,
+    .check = check,
     .work = work,
     .tolerance = {.abs = 2e-5, .rel = 5e-6, .outliers = 0.002},
 };

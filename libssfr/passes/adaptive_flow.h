@@ -8,7 +8,8 @@
 /* What is the same at every distance. shaders/adaptive_flow.frag repeats them. */
 enum { SSFR_ADAPTIVE_FLOW_PAPER, SSFR_ADAPTIVE_FLOW_METRES, SSFR_ADAPTIVE_FLOW_STEPS };
 /* How the end is found. */
-enum { SSFR_ADAPTIVE_FLOW_NONE, SSFR_ADAPTIVE_FLOW_QUERY, SSFR_ADAPTIVE_FLOW_BOUND };
+enum { SSFR_ADAPTIVE_FLOW_NONE, SSFR_ADAPTIVE_FLOW_QUERY, SSFR_ADAPTIVE_FLOW_BOUND,
+       SSFR_ADAPTIVE_FLOW_TILES };
 
 typedef struct ssfr_adaptive_flow_done { /* by the last run, for its report */
     int sweeps, copies;

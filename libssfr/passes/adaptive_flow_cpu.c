@@ -8,7 +8,7 @@ static double share(const ssfr_adaptive_flow_coeffs *c, int i, double z, double 
 {
     if (i >= c->flow.iterations) return 0;
     switch (c->constant) {
-    case SSFR_ADAPTIVE_FLOW_PAPER: return i <= c->need / fabs(z) + 1;
+    case SSFR_ADAPTIVE_FLOW_PAPER: return i / c->flow.parts <= c->need / fabs(z) + 1;
     case SSFR_ADAPTIVE_FLOW_METRES: return ssfr_clamp(c->need / (fabs(z) * dt) - i, 0, 1);
     default: return 1;
     }
@@ -26,13 +26,36 @@ static double step(const ssfr_run *run, int i, const ssfr_field *from, int x, in
     return z + part * ssfr_curvature_flow_rate(run, from, x, y, ssfr_curvature_flow_cuts(run, from, x, y));
 }
 
-static bool sweep(const ssfr_run *run, int i, const ssfr_field *from, ssfr_field *to)
+/* Where a tile's mark stands among the words: one more than the last step that changed something in it. */
+static uint32_t *mark_of(const ssfr_run *run, int tile_x, int tile_y)
 {
+    const ssfr_adaptive_flow_coeffs *c = run->coeffs;
+    return c->flow.live_tiles ? run->words + SSFR_COUNTS + tile_y * run->frame->facts.tiles_x + tile_x : NULL;
+}
+
+/* Takes step i in a tile; gives whether any pixel took it. The first two are taken everywhere, for both images. */
+static bool step_tile(const ssfr_run *run, int i, const ssfr_field *from, ssfr_field *to, int tile_x, int tile_y)
+{
+    const int side = SSFR_TILE / run->divisor, x0 = tile_x * side, y0 = tile_y * side;
+    const int x1 = ssfr_min_int(x0 + side, run->w), y1 = ssfr_min_int(y0 + side, run->h);
+    uint32_t *mark = mark_of(run, tile_x, tile_y);
     bool moved = false;
-#pragma omp parallel for schedule(static) reduction(|| : moved)
-    for (int y = 0; y < run->h; y++)
-        for (int x = 0; x < run->w; x++) *ssfr_field_at(to, x, y) = step(run, i, from, x, y, &moved);
+    if (mark && i > 1 && *mark != (uint32_t)i) return false;
+    for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++) *ssfr_field_at(to, x, y) = step(run, i, from, x, y, &moved);
+    if (mark && moved) *mark = (uint32_t)i + 1;
     return moved;
+}
+
+/* Gives the number of tiles in which step i changed something. */
+static uint32_t sweep(const ssfr_run *run, int i, const ssfr_field *from, ssfr_field *to)
+{
+    const ssfr_facts *facts = &run->frame->facts;
+    uint32_t n_moved = 0;
+#pragma omp parallel for collapse(2) schedule(static) reduction(+ : n_moved)
+    for (int y = 0; y < facts->tiles_y; y++)
+        for (int x = 0; x < facts->tiles_x; x++) n_moved += step_tile(run, i, from, to, x, y);
+    return n_moved;
 }
 
 void ssfr_adaptive_flow_cpu(const ssfr_run *run)
@@ -41,10 +64,12 @@ void ssfr_adaptive_flow_cpu(const ssfr_run *run)
     const ssfr_field *from = run->in[0];
     bool over = false;
     *c->at = (ssfr_adaptive_flow_done){0};
+    ssfr_curvature_flow_count(run);
     for (int i = 0; i < c->sweeps && !over; i++) {
         ssfr_field *to = (c->sweeps - i) % 2 == 1 ? run->out[0] : run->scratch[0];
-        const bool moved = sweep(run, i, from, to);
-        over = ssfr_adaptive_flow_asks(c, i) && !moved;
+        const uint32_t n_moved = sweep(run, i, from, to);
+        if (c->flow.live_tiles && i + 1 < c->sweeps) run->words[SSFR_CURVATURE_FLOW_N_LIVE] += n_moved;
+        over = ssfr_adaptive_flow_asks(c, i) && n_moved == 0;
         from = to;
         c->at->sweeps++;
     }

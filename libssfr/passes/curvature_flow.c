@@ -12,12 +12,15 @@
 
 #include "graph/draw.h"
 
+#include <epoxy/gl.h>
+
 typedef struct curvature_flow_params {
     ssfr_curvature_flow_params flow;
     int iterations;
 } curvature_flow_params;
 
 const char *const ssfr_curvature_flow_references[] = {"mean", "nearest", NULL};
+const char *const ssfr_curvature_flow_unstable[] = {"limit", "substep", "refuse", "allow", NULL};
 
 static const ssfr_param rows[] = {
     SSFR_PARAM_INT(curvature_flow_params, iterations, "1", 40, 0, 100000, "Euler steps"),
@@ -57,7 +60,10 @@ void ssfr_curvature_flow_derive(const ssfr_run *run, const ssfr_curvature_flow_p
     c->dt = p->dt;
     if (p->dt == 0)
         c->dt = p->step * bound * ssfr_curvature_flow_distance(run, p) / ssfr_curvature_flow_corner(run, p->off_axis);
-    c->limit = p->limit ? SSFR_CURVATURE_FLOW_SAFE * bound : SSFR_EMPTY;
+    c->bound = bound;
+    c->counts = p->unstable == SSFR_UNSTABLE_REFUSE || p->unstable == SSFR_UNSTABLE_ALLOW;
+    c->limit = c->counts ? SSFR_EMPTY : SSFR_CURVATURE_FLOW_SAFE * bound;
+    c->parts = 1;
     c->threshold = SSFR_EMPTY;
     c->falloff = p->depth_falloff * run->frame->radius;
     c->divisor = run->divisor;
@@ -65,10 +71,59 @@ void ssfr_curvature_flow_derive(const ssfr_run *run, const ssfr_curvature_flow_p
     c->off_axis = p->off_axis;
 }
 
-unsigned ssfr_curvature_flow_program(const ssfr_run *run)
+void ssfr_curvature_flow_worst(const ssfr_run *run, const ssfr_curvature_flow_coeffs *c, double *dt, double *bound)
+{
+    const double z = fmax(run->frame->facts.nearest, -c->threshold);
+    *dt = c->over_depth ? c->dt / z : c->dt;
+    *bound = c->bound * z / ssfr_curvature_flow_corner(run, c->off_axis);
+}
+
+/* Beyond so many parts the limit shortens them, and that is said. */
+void ssfr_curvature_flow_cut(const ssfr_run *run, const ssfr_curvature_flow_params *p, ssfr_curvature_flow_coeffs *c)
+{
+    double dt, bound;
+    if (p->unstable != SSFR_UNSTABLE_SUBSTEP) return;
+    ssfr_curvature_flow_worst(run, c, &dt, &bound);
+    const double parts = ceil(dt / (SSFR_CURVATURE_FLOW_SAFE * bound));
+    if (parts > SSFR_CURVATURE_FLOW_PARTS)
+        ssfr_log(SSFR_WARNING, "curvature flow: a step of %.3g m^2 would need %.0f parts for surfaces %.3g m away: cut into "
+                 "%d, near surfaces are smoothed less", dt, parts, run->frame->facts.nearest, SSFR_CURVATURE_FLOW_PARTS);
+    c->parts = (int)ssfr_clamp(parts, 1, SSFR_CURVATURE_FLOW_PARTS);
+    c->dt /= c->parts;
+    c->iterations *= c->parts;
+}
+
+bool ssfr_curvature_flow_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
 {
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
-    return run->draw->programs[c->cross_term + 2 * c->off_axis];
+    (void)i;
+    snprintf(text, SSFR_DEFINES, "#define CROSS_TERM %d\n#define OFF_AXIS %d\n#define COUNTS %d\n%s", c->cross_term,
+             c->off_axis, c->counts, c->live_tiles ? "#define LIVE_TILES\n" : "");
+    return true;
+}
+
+size_t ssfr_curvature_flow_words(const ssfr_run *run)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    const ssfr_facts *facts = &run->frame->facts;
+    const size_t n_tiles = c->live_tiles ? (size_t)facts->tiles_x * (size_t)facts->tiles_y : 0;
+    return c->counts || c->live_tiles ? SSFR_COUNTS + n_tiles : 0;
+}
+
+double ssfr_curvature_flow_n_unstable(const ssfr_run *run)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    return c->counts ? run->words[SSFR_CURVATURE_FLOW_N_UNSTABLE] : 0;
+}
+
+ssfr_result ssfr_curvature_flow_check(const ssfr_run *run, const char *pass)
+{
+    const ssfr_curvature_flow_params *p = run->params;
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    const double n = ssfr_curvature_flow_n_unstable(run);
+    if (n == 0 || p->unstable != SSFR_UNSTABLE_REFUSE) return SSFR_OK;
+    return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: a step of %.3g %s is longer than %.0f pixels (%.3g %% of the image) bear",
+                     pass, c->dt, c->over_depth ? "m^3" : "m^2", n, 100 * n / ((double)run->w * run->h));
 }
 
 double ssfr_curvature_flow_taps(const ssfr_curvature_flow_coeffs *c)
@@ -82,6 +137,7 @@ static void derive(const ssfr_run *run, void *coeffs)
     ssfr_curvature_flow_coeffs *c = coeffs;
     ssfr_curvature_flow_derive(run, &p->flow, c);
     c->iterations = p->iterations;
+    ssfr_curvature_flow_cut(run, &p->flow, c);
 }
 
 static bool needed(const ssfr_run *run)
@@ -95,12 +151,13 @@ static ssfr_result gl_run(const ssfr_run *run)
     ssfr_result result = SSFR_OK;
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     const ssfr_draw *draw = run->draw;
-    const unsigned program = ssfr_curvature_flow_program(run);
+    const unsigned program = draw->programs[0];
     if (c->iterations == 0) return ssfr_draw_copy(draw, draw->in[0], draw->out[0]);
     for (int i = 0; i < c->iterations; i++) {
         const bool to_output = (c->iterations - i) % 2 == 1;
         const ssfr_texture *target = to_output ? draw->out[0] : draw->scratch[0];
         if (i) ssfr_draw_bind(draw, 0, to_output ? draw->scratch[0] : draw->out[0]);
+        glProgramUniform2i(program, SSFR_CURVATURE_FLOW_AT_STEP, i, 0);
         SSFR_TRY(ssfr_draw_screen(run, program, 1, &target));
     }
 end:
@@ -111,8 +168,14 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
 {
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     report->iterations = c->iterations;
+    report->unstable = ssfr_curvature_flow_n_unstable(run);
     report->taps = ssfr_curvature_flow_taps(c) * c->iterations;
     report->bytes *= fmax(c->iterations, 1);
+}
+
+static ssfr_result check(const ssfr_run *run)
+{
+    return ssfr_curvature_flow_check(run, "curvature_flow");
 }
 
 const ssfr_pass ssfr_curvature_flow = {
@@ -126,13 +189,16 @@ const ssfr_pass ssfr_curvature_flow = {
     .params_size = sizeof(curvature_flow_params),
     .coeffs_size = sizeof(ssfr_curvature_flow_coeffs),
     .n_scratch = 1,
+    .n_words = ssfr_curvature_flow_words,
     .derive = derive,
     .needed = needed,
     .needless = "no iterations, or no fluid in view",
     .cpu_run = ssfr_curvature_flow_cpu,
     .programs = SSFR_CURVATURE_FLOW_PROGRAMS("curvature_flow.frag"),
+    .defines = ssfr_curvature_flow_defines,
     .uniforms = uniforms,
     .gl_run = gl_run,
+    .check = check,
     .work = work,
     .tolerance = {.abs = 2e-5, .rel = 5e-6, .outliers = 0.002},
 };

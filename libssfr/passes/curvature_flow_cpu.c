@@ -70,11 +70,23 @@ static double exact_rate(const slopes *k, const double c[2], double u, double v)
     return sqrt(c[0] * c[1]) * fabs(z) * twice / 2;
 }
 
+/* dt of a pixel at depth z, m^2, before any limit. */
+static inline double free_dt(const ssfr_curvature_flow_coeffs *c, double z)
+{
+    return c->over_depth ? c->dt / fabs(z) : c->dt;
+}
+
+/* By what a limit or a bound at |z| = 1 on the axis is multiplied, m. */
+static inline double reach(const ssfr_curvature_flow_coeffs *c, double z, const double ray[2])
+{
+    const double away = 1 + ray[0] * ray[0] + ray[1] * ray[1];
+    return c->off_axis ? fabs(z) / (away * sqrt(away)) : fabs(z);
+}
+
 /* dt of a pixel at depth z, m^2. */
 static inline double dt_at(const ssfr_curvature_flow_coeffs *c, double z, const double ray[2])
 {
-    const double away = 1 + ray[0] * ray[0] + ray[1] * ray[1], factor = c->off_axis ? away * sqrt(away) : 1;
-    return fmin(c->over_depth ? c->dt / fabs(z) : c->dt, c->limit * fabs(z) / factor);
+    return fmin(free_dt(c, z), c->limit * reach(c, z, ray));
 }
 
 /* Eye-space x and y at unit distance, y downwards like rows. */
@@ -111,10 +123,31 @@ static void sweep(const ssfr_run *run, const ssfr_field *from, ssfr_field *to)
         }
 }
 
+static bool is_unstable(const ssfr_run *run, int x, int y)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    const double depth = *ssfr_field_fetch(run->in[0], x, y), z = fmin(depth, c->threshold);
+    double ray[2];
+    ray_of(run, x, y, ray);
+    return ssfr_is_surface(depth) && free_dt(c, z) > c->bound * reach(c, z, ray);
+}
+
+void ssfr_curvature_flow_count(const ssfr_run *run)
+{
+    const ssfr_curvature_flow_coeffs *c = run->coeffs;
+    uint32_t n = 0;
+    if (!c->counts || c->iterations == 0) return;
+#pragma omp parallel for schedule(static) reduction(+ : n)
+    for (int y = 0; y < run->h; y++)
+        for (int x = 0; x < run->w; x++) n += is_unstable(run, x, y);
+    run->words[SSFR_CURVATURE_FLOW_N_UNSTABLE] = n;
+}
+
 void ssfr_curvature_flow_cpu(const ssfr_run *run)
 {
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     const ssfr_field *from = run->in[0];
+    ssfr_curvature_flow_count(run);
     for (int i = 0; i < c->iterations; i++) {
         ssfr_field *to = (c->iterations - i) % 2 == 1 ? run->out[0] : run->scratch[0];
         sweep(run, from, to);
