@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* cmd_bench.c: `ssfr bench`: where the time of a frame goes, pass by pass. */
+#include "experiments/bench_flow.h"
 #include "experiments/bench_integrators.h"
 #include "experiments/bench_solver.h"
 #include "experiments/bench_truth.h"
@@ -275,6 +276,7 @@ int ssfr_cmd_bench(int argc, char **argv)
 {
     if (argc > 1 && strcmp(argv[1], "solver") == 0) return ssfr_bench_solver(argc, argv);
     if (argc > 1 && strcmp(argv[1], "truth") == 0) return ssfr_bench_truth(argc, argv);
+    if (argc > 1 && strcmp(argv[1], "flow") == 0) return ssfr_bench_flow(argc, argv);
     if (argc > 1 && strcmp(argv[1], "integrators") == 0) return ssfr_bench_integrators(argc, argv);
     ssfr_result result = SSFR_OK;
     bench_options options = {.scene = "splash"};
@@ -289,13 +291,14 @@ int ssfr_cmd_bench(int argc, char **argv)
         {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0],
-        .arguments = "[PIPELINE|solver|truth|integrators]",
+        .arguments = "[PIPELINE|solver|truth|integrators|flow]",
         .max_arguments = 1,
         .sets = sets,
         .help = "Times a pipeline (default vanderlaan2009), pass by pass: medians, work, and how far each "
                 "is from the time that moving its bytes takes. 'ssfr bench solver --help' tells of the simulator's, "
                 "'ssfr bench truth --help' of ray casting's, "
-                "'ssfr bench integrators --help' of integrals along rays."};
+                "'ssfr bench integrators --help' of integrals along rays, "
+                "'ssfr bench flow --help' of how wide the curvature flows smooth."};
     ssfr_setup_defaults(&setup_options);
     ssfr_stage_defaults(&stage_options);
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));

@@ -30,6 +30,9 @@ static inline bool ssfr_adaptive_flow_asks(const ssfr_adaptive_flow_coeffs *c, i
     return c->stop == SSFR_ADAPTIVE_FLOW_QUERY && i % c->interval == c->interval - 1;
 }
 
+/* How many steps a pixel takes that keeps the depth which it has before the first. */
+int ssfr_adaptive_flow_steps(const ssfr_run *run, int x, int y);
+
 void ssfr_adaptive_flow_cpu(const ssfr_run *run);
 
 #endif

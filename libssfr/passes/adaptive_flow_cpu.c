@@ -26,6 +26,15 @@ static double step(const ssfr_run *run, int i, const ssfr_field *from, int x, in
     return z + part * ssfr_curvature_flow_rate(run, from, x, y, ssfr_curvature_flow_cuts(run, from, x, y));
 }
 
+int ssfr_adaptive_flow_steps(const ssfr_run *run, int x, int y)
+{
+    const ssfr_adaptive_flow_coeffs *c = run->coeffs;
+    const double z = *ssfr_field_fetch(run->in[0], x, y), dt = ssfr_curvature_flow_dt(run, z, x, y);
+    int n = 0;
+    while (ssfr_is_surface(z) && n < c->flow.iterations && share(c, n, z, dt) > 0) n++;
+    return n;
+}
+
 /* Where a tile's mark stands among the words: one more than the last step that changed something in it. */
 static uint32_t *mark_of(const ssfr_run *run, int tile_x, int tile_y)
 {
