@@ -191,7 +191,7 @@ static ssfr_result write_stage(ssfr_csv *csv, const bench *b, const char *stage)
         if (strcmp(r->stage, stage) != 0 || r->status != SSFR_RAN) continue;
         time.n = b->timed->nodes[i].n, time.median += b->timed->nodes[i].median;
         whole.taps += r->taps, whole.iterations += r->iterations, whole.vertices += r->vertices;
-        whole.bytes += r->bytes;
+        whole.bytes += r->bytes, whole.tiles += r->tiles, whole.unstable += r->unstable;
     }
     return write_row(csv, b, &whole, &time, time.median / b->staged);
 }
