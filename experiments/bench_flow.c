@@ -72,10 +72,12 @@ static const ssfr_panel plane_panels[] = {
      .only = {{"period", SHOWN_PERIOD}}},
     {.title = "What is left of bumps of 8 radii", .x = "distance", .y = "gain", .x_label = "distance [m]",
      .y_label = "height after over before", .log_x = true, .keys = EVERY_FLOW, .only = {{"period", SHOWN_PERIOD}}},
-    {.title = "Fixed number of steps, at distances in m", .x = "period", .y = "gain", .x_label = "wavelength [particle radii]",
-     .y_label = "height after over before", .log_x = true, .keys = {{"distance", "at "}}, .only = {{"flow", "fixed"}}},
-    {.title = "Steps times distance (eq. 3.1), at distances in m", .x = "period", .y = "gain", .x_label = "wavelength [particle radii]",
-     .y_label = "height after over before", .log_x = true, .keys = {{"distance", "at "}}, .only = {{"flow", "paper"}}},
+    {.title = "Fixed number of steps, at distances in m", .x = "period", .y = "gain",
+     .x_label = "wavelength [particle radii]", .y_label = "height after over before", .log_x = true,
+     .keys = {{"distance", "at "}}, .only = {{"flow", "fixed"}}},
+    {.title = "Steps times distance (eq. 3.1), at distances in m", .x = "period", .y = "gain",
+     .x_label = "wavelength [particle radii]", .y_label = "height after over before", .log_x = true,
+     .keys = {{"distance", "at "}}, .only = {{"flow", "paper"}}},
 };
 
 static const ssfr_column view_columns[] = {
@@ -94,8 +96,8 @@ static const ssfr_shown view_shown[] = {
     {"what", "what", NULL, 0}, {"at", "at", NULL, 0}, {"pixels", "pixels", NULL, 0}, {"share", "share %", "%.2f", 100},
     {"curvature", "1/m", "%.4g", 1}, {"curvature_radii", "1/radii", "%.4g", 1}};
 static const ssfr_panel view_panels[] = {
-    {.title = "Steps", .x = "at", .y = "share", .x_label = "steps that a pixel takes", .y_label = "share of the pixels [%]",
-     .y_factor = 100, .keys = {{"camera", NULL}}, .only = {{"what", "steps"}}},
+    {.title = "Steps", .x = "at", .y = "share", .x_label = "steps that a pixel takes",
+     .y_label = "share of the pixels [%]", .y_factor = 100, .keys = {{"camera", NULL}}, .only = {{"what", "steps"}}},
     {.title = "Curvature", .x = "curvature_radii", .y = "share", .x_label = "magnitude of the mean curvature [1/radii]",
      .y_label = "share of the pixels below [%]", .y_factor = 100, .log_x = true, .keys = {{"what", NULL}},
      .only = {{"what", "before"}, {"what", "after"}}},

@@ -213,9 +213,9 @@ end:
 /* The frame as a whole: as users have it, and while its nodes are timed. */
 static ssfr_result write_frame(ssfr_csv *csv, const bench *b, const char *name, const ssfr_measured *m)
 {
-    const ssfr_node_report whole = {.node = name, .pass = "", .stage = "", .status = SSFR_RAN, .why = "", .taps = m->taps,
-                                    .iterations = m->iterations, .vertices = m->vertices, .bytes = m->bytes,
-                                    .tiles = m->tiles, .unstable = m->unstable};
+    const ssfr_node_report whole = {.node = name, .pass = "", .stage = "", .status = SSFR_RAN, .why = "",
+                                    .taps = m->taps, .iterations = m->iterations, .vertices = m->vertices,
+                                    .bytes = m->bytes, .tiles = m->tiles, .unstable = m->unstable};
     return write_row(csv, b, &whole, &m->frame, m->frame.median / b->sum);
 }
 

@@ -324,6 +324,24 @@ static void the_report_says_how_many_tiles_were_drawn(void **state)
     assert_true(report(t)->tiles == most + paper_steps(t, r_w, terraces[1]) + paper_steps(t, r_w, terraces[2]) + 3);
 }
 
+/* What a run is lent grows with the image, and no frame that is like the last allocates. */
+static void marks_of_tiles_are_allocated_once(void **state)
+{
+    test_twin *t = begin(state, W, H);
+    test_twin_set(t, "stop", "tiles");
+    test_twin_set(t, "unstable", "allow");
+    set_radius(t, 0.3);
+    for (int size = 1; size <= 3; size += 2) {
+        t->scene.camera.w = size * W, t->scene.camera.h = size * H;
+        const ssfr_field *depth = rounded(t, test_field_filled(size * W, size * H, 1, -2.385));
+        smooth(t, depth);
+        assert_true(ssfr_graph_report(t->graph)->allocations > 0);
+        smooth(t, depth);
+        assert_int_equal(ssfr_graph_report(t->graph)->allocations, 0);
+        assert_true(report(t)->tiles >= 2 * size * size);
+    }
+}
+
 /* ---- widths ------------------------------------------------------------------------------------------------------ */
 
 enum { N = 101, M = N / 2 };
@@ -632,6 +650,7 @@ int main(void)
         TEST_TWINS(the_report_says_how_many_sweeps_there_were),
         TEST_TWINS(tiles_that_are_done_are_left_out_and_no_bit_changes),
         TEST_TWINS(the_report_says_how_many_tiles_were_drawn),
+        TEST_TWINS(marks_of_tiles_are_allocated_once),
         TEST_CPU(paper_smooths_alike_at_every_distance),
         TEST_CPU(a_fixed_number_smooths_by_the_root_of_the_distance),
         TEST_CPU(metres_smooth_by_the_radius),

@@ -29,7 +29,8 @@ if command -v gnuplot >/dev/null; then that 'there is a chart' grep -q '</svg>' 
 
 run bench flow splash --size 160x90 -o v.csv
 that 'bench flow runs on a scene' [ $status -eq 0 ]
-that 'every pixel takes its steps' [ "$(awk -F, '$3 == "steps" { s += $7 } END { print (s > 0.999 && s < 1.001) }' v.csv)" = 1 ]
+that 'every pixel takes its steps' \
+    [ "$(awk -F, '$3 == "steps" { s += $7 } END { print (s > 0.999 && s < 1.001) }' v.csv)" = 1 ]
 that 'curvatures stand before and after' [ "$(rows v.csv '$3 == "before" || $3 == "after"')" -eq 18 ]
 that 'and fall' [ "$(awk -F, '$4 == 0.5 { k[$3] = $8 } END { print (k["after"] < 0.7 * k["before"]) }' v.csv)" = 1 ]
 that 'the metadata has its parameters' grep -q '"adaptive_flow.radius": 10' v.meta.json

@@ -8,12 +8,13 @@
  *     steps    n as it is: what sec. 3.1 improves, and, with z_t = -H / |z|, what it rejects: a width of sqrt(n dt C)
  *
  * No pixel takes more steps than the nearest particle in view needs, so that their number is known before the first.
- * A pixel whose step is past its own number never changes again, and neither does a tile of such pixels. With
- * stop=tiles the fragments that take step i mark their tile with i + 1 in a storage buffer, and the vertex shader of the
- * next step collapses the tiles without that mark. The CPU waits for nothing and asks for nothing, a step costs a
- * memory barrier, and a dropped tile six vertices. Indirect draws of a list of tiles, which a compute shader would
- * gather after each step, spare these vertices, which are few beside a tile's 1024 pixels, for a dispatch and a second
- * barrier a step. */
+ *
+ * A pixel whose step is past its own number never changes again, and neither does a tile of such pixels: with
+ * stop=tiles the fragments that take step i mark their tile with i + 1 in a storage buffer, and the vertex shader of
+ * the next step collapses the tiles without that mark. The CPU asks for nothing and waits for nothing; a step costs a
+ * memory barrier, a dropped tile six vertices. Indirect draws of a list of tiles, gathered after each step by a compute
+ * shader, would spare these vertices, which are few beside a tile's 1024 pixels, for a dispatch and a second barrier a
+ * step. */
 #include "passes/adaptive_flow.h"
 
 #include "graph/draw.h"

@@ -86,8 +86,8 @@ void ssfr_curvature_flow_cut(const ssfr_run *run, const ssfr_curvature_flow_para
     ssfr_curvature_flow_worst(run, c, &dt, &bound);
     const double parts = ceil(dt / (SSFR_CURVATURE_FLOW_SAFE * bound));
     if (parts > SSFR_CURVATURE_FLOW_PARTS)
-        ssfr_log(SSFR_WARNING, "curvature flow: a step of %.3g m^2 would need %.0f parts for surfaces %.3g m away: cut into "
-                 "%d, near surfaces are smoothed less", dt, parts, run->frame->facts.nearest, SSFR_CURVATURE_FLOW_PARTS);
+        ssfr_log(SSFR_WARNING, "curvature flow: a step of %.3g m^2 would need %.0f parts %.3g m away: cut into %d, "
+                 "near surfaces are smoothed less", dt, parts, run->frame->facts.nearest, SSFR_CURVATURE_FLOW_PARTS);
     c->parts = (int)ssfr_clamp(parts, 1, SSFR_CURVATURE_FLOW_PARTS);
     c->dt /= c->parts;
     c->iterations *= c->parts;
@@ -122,8 +122,8 @@ ssfr_result ssfr_curvature_flow_check(const ssfr_run *run, const char *pass)
     const ssfr_curvature_flow_coeffs *c = run->coeffs;
     const double n = ssfr_curvature_flow_n_unstable(run);
     if (n == 0 || p->unstable != SSFR_UNSTABLE_REFUSE) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: a step of %.3g %s is longer than %.0f pixels (%.3g %% of the image) bear",
-                     pass, c->dt, c->over_depth ? "m^3" : "m^2", n, 100 * n / ((double)run->w * run->h));
+    return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: a step of %.3g %s is longer than %.0f pixels (%.3g %% of the image) "
+                     "bear", pass, c->dt, c->over_depth ? "m^3" : "m^2", n, 100 * n / ((double)run->w * run->h));
 }
 
 double ssfr_curvature_flow_taps(const ssfr_curvature_flow_coeffs *c)

@@ -20,7 +20,7 @@ typedef struct ssfr_curvature_flow_coeffs { /* the first member of its coefficie
     double threshold;  /* m, the greatest z that enters H and the limit; SSFR_EMPTY for none */
     double divisor;    /* full-resolution pixels a pixel */
     int iterations, cross_term, off_axis;
-    int parts;         /* steps that one of the parameters' was cut into; dt is that of a part, iterations counts parts */
+    int parts;         /* that each step was cut into; dt is that of a part, and iterations counts parts */
     int counts;        /* the pixels whose dt is beyond their bound are counted */
     int live_tiles;    /* only tiles in which something may change are drawn */
     int over_depth;    /* z_t = -H / |z|, and dt in m^3 */
