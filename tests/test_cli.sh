@@ -40,6 +40,11 @@ refuses 'a value without its option' '--eye needs a value' render block --eye
 
 # shellcheck disable=SC2086
 {
+run render block -o a.png --size 48x32 --backend cpu --set curvature_flow.unstable=allow --set curvature_flow.step=2
+that 'steps that may ripple are warned of' grep -Eq 'warning: curvature_flow: its step is longer than [1-9][0-9]* pixels' err
+rm a.png
+refuses 'steps that may ripple, where that is asked' 'pixels' \
+    render block -o a.png --size 48x32 --backend cpu --set curvature_flow.unstable=refuse --set curvature_flow.step=2
 refuses 'an unknown parameter' 'curvature_flow.blur' render block -o a.png $small --set curvature_flow.blur=3
 refuses 'a parameter out of range' 'medium.ior=0.5: out of range [1, 4]' \
     render block -o a.png $small --set medium.ior=0.5

@@ -152,7 +152,7 @@ static void assert_sane(const bench *b)
 {
     const ssfr_measured *m = b->measured;
     const ssfr_report *report = ssfr_graph_report(b->graph);
-    double taps = 0, bytes = 0, iterations = 0;
+    double taps = 0, bytes = 0, iterations = 0, tiles = 0;
     assert_int_equal(m->n_nodes, report->n_nodes);
     assert_true(m->frame.min > 0 && m->frame.min <= m->frame.median && m->frame.mad >= 0);
     assert_true(m->frame.outliers < m->frame.n);
@@ -163,11 +163,13 @@ static void assert_sane(const bench *b)
         taps += ran ? m->reports[i].taps : 0;
         bytes += ran ? m->reports[i].bytes : 0;
         iterations += ran ? m->reports[i].iterations : 0;
+        tiles += ran ? m->reports[i].tiles : 0;
     }
     assert_close(m->taps, taps, 0, 0);
     assert_close(m->bytes, bytes, 0, 0);
     assert_close(m->iterations, iterations, 0, 0);
-    assert_true(m->bytes > 0 && m->taps > 0 && m->iterations >= 40);
+    assert_close(m->tiles, tiles, 0, 0);
+    assert_true(m->bytes > 0 && m->taps > 0 && m->iterations >= 40 && m->tiles >= 40 && m->unstable == 0);
 }
 
 static void a_frame_is_run_as_often_and_as_long_as_asked(void **state)

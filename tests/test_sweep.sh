@@ -250,6 +250,12 @@ that 'with metadata' grep -q '"curvature_flow.iterations": 40' b.meta.json
 that 'which say what each column means' grep -q '"bytes \[B\]": "fewest bytes' b.meta.json
 that 'of which there are as many' [ "$(head -n 1 b.csv | tr , '\n' | wc -l)" -eq \
     "$(sed -n '/"columns"/,/}/p' b.meta.json | grep -c '": "')" ]
+that 'and counts tiles' [ "$(awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) c[$i] = i }
+    $c["node"] == "curvature_flow" { print ($c["tiles"] <= 4 * $c["iterations"] && $c["tiles"] >= 40) }' b.csv)" = 1 ]
+leaves 0 'steps that may ripple are taken where that is said' \
+    sweep --scene block --size 48x32 --backend cpu $brief -s curvature_flow.step=2 \
+    --vary curvature_flow.unstable=allow -o b.csv
+that 'and their pixels counted' [ "$(column b.csv unstable)" -gt 100 ]
 refuses 'bench knows its pipelines' 'nothing: no such pipeline; there are vanderlaan2009' bench nothing
 refuses 'bench finds out at once where it cannot write' 'absent/b.csv' bench -o absent/b.csv
 mkfifo pipe
