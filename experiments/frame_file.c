@@ -20,6 +20,28 @@ static bool has_slot(const ssfr_graph *graph, const char *slot)
     return found;
 }
 
+/* What a slot is the sum of, where a pipeline has it in layers. */
+static const char *const whole = "thickness", *const layers[] = {"thickness_back", "thickness_front"};
+
+static bool is_layered(const ssfr_graph *graph, const char *slot)
+{
+    return strcmp(slot, whole) == 0 && !has_slot(graph, whole) && has_slot(graph, layers[0]);
+}
+
+bool ssfr_frame_has(const ssfr_graph *graph, const char *slot)
+{
+    return has_slot(graph, slot) || is_layered(graph, slot);
+}
+
+ssfr_result ssfr_frame_want_slot(ssfr_graph *graph, const char *slot)
+{
+    ssfr_result result = SSFR_OK;
+    if (!is_layered(graph, slot)) return ssfr_graph_want(graph, slot);
+    for (size_t i = 0; i < SSFR_COUNT(layers); i++) SSFR_TRY(ssfr_graph_want(graph, layers[i]));
+end:
+    return result;
+}
+
 static const char *result_slot(const ssfr_setup *setup)
 {
     return ssfr_slots[setup->pipeline->result].name;
@@ -29,11 +51,11 @@ ssfr_result ssfr_frame_want(const ssfr_setup *setup)
 {
     ssfr_result result = SSFR_OK;
     for (size_t i = 0; i < SSFR_COUNT(companions) && result == SSFR_OK; i++)
-        if (has_slot(setup->graph, companions[i])) result = ssfr_graph_want(setup->graph, companions[i]);
+        if (ssfr_frame_has(setup->graph, companions[i])) result = ssfr_frame_want_slot(setup->graph, companions[i]);
     return result;
 }
 
-ssfr_result ssfr_frame_read(ssfr_field **out, const ssfr_graph *graph, const char *slot, int w, int h)
+static ssfr_result read_image(ssfr_field **out, const ssfr_graph *graph, const char *slot, int w, int h)
 {
     ssfr_result result = SSFR_OK;
     ssfr_field *small = NULL;
@@ -51,6 +73,20 @@ end:
     return result;
 }
 
+ssfr_result ssfr_frame_read(ssfr_field **out, const ssfr_graph *graph, const char *slot, int w, int h)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_field *front = NULL;
+    if (!is_layered(graph, slot)) return read_image(out, graph, slot, w, h);
+    SSFR_TRY(read_image(out, graph, layers[0], w, h));
+    SSFR_TRY(read_image(&front, graph, layers[1], w, h));
+    for (int i = 0; i < w * h; i++) (*out)->data[i] += front->data[i];
+end:
+    if (result != SSFR_OK) ssfr_field_destroy(out);
+    ssfr_field_destroy(&front);
+    return result;
+}
+
 ssfr_result ssfr_frame_save_exr(const char *path, const ssfr_setup *setup, int w, int h, const ssfr_record *record)
 {
     ssfr_result result = SSFR_OK;
@@ -58,7 +94,7 @@ ssfr_result ssfr_frame_save_exr(const char *path, const ssfr_setup *setup, int w
     const char *slots[MAX_LAYERS] = {result_slot(setup)};
     int n = 1;
     for (size_t i = 0; i < SSFR_COUNT(companions); i++)
-        if (has_slot(setup->graph, companions[i])) slots[n++] = companions[i];
+        if (ssfr_frame_has(setup->graph, companions[i])) slots[n++] = companions[i];
     for (int i = 0; i < n; i++) {
         layers[i].channels = ssfr_slot_channels(slots[i]);
         SSFR_TRY(ssfr_frame_read(&layers[i].field, setup->graph, slots[i], w, h));

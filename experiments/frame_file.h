@@ -5,6 +5,10 @@
 
 #include "experiments/record.h"
 
+/* Whether the pipeline writes it; of thickness also whether it does in layers, which then are wanted and added up. */
+bool ssfr_frame_has(const ssfr_graph *graph, const char *slot);
+SSFR_MUST ssfr_result ssfr_frame_want_slot(ssfr_graph *graph, const char *slot);
+
 /* A slot of the last frame as a new field of w x h px. One that was left out, and so is one neutral pixel, is repeated:
  * it compares with any other. */
 SSFR_MUST ssfr_result ssfr_frame_read(ssfr_field **out, const ssfr_graph *graph, const char *slot, int w, int h);

@@ -200,8 +200,8 @@ static double texture_bandwidth(ssfr_gl *gl)
     double best = NAN;
     if (ssfr_gl_begin(gl) != SSFR_OK) return NAN;
     const int side = ssfr_min_int(COPY_SIDE, ssfr_gl_get_limits(gl)->texture_px);
-    SSFR_TRY(ssfr_texture_create(gl, &from, side, side, 4));
-    SSFR_TRY(ssfr_texture_create(gl, &to, side, side, 4));
+    SSFR_TRY(ssfr_texture_create(gl, &from, side, side, 4, SSFR_STORE_FLOAT));
+    SSFR_TRY(ssfr_texture_create(gl, &to, side, side, 4, SSFR_STORE_FLOAT));
     ssfr_texture_clear(&from, grey);
     copy_texture(&to, &from);
     for (int i = 0; i < COPY_REPEATS; i++) best = fmax(best, copy_texture(&to, &from));

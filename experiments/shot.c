@@ -58,10 +58,7 @@ static const char *slot_of(const ssfr_graph *graph, const ssfr_pipeline *pipelin
 {
     const char *const names[SSFR_SHOT_PARTS] = {ssfr_slots[pipeline->result].name, "surface_depth", "normal",
                                                 "thickness"};
-    const char *found = NULL;
-    for (int i = 0; ssfr_graph_slot_at(graph, i) && !found; i++)
-        if (strcmp(ssfr_graph_slot_at(graph, i), names[part]) == 0) found = names[part];
-    return found;
+    return ssfr_frame_has(graph, names[part]) ? names[part] : NULL;
 }
 
 ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline)
@@ -69,7 +66,7 @@ ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline)
     ssfr_result result = SSFR_OK;
     for (int part = 0; part < SSFR_SHOT_PARTS && result == SSFR_OK; part++) {
         const char *slot = slot_of(graph, pipeline, (ssfr_shot_part)part);
-        if (slot) result = ssfr_graph_want(graph, slot);
+        if (slot) result = ssfr_frame_want_slot(graph, slot);
     }
     return result;
 }

@@ -40,7 +40,7 @@ void main()
     if (!is_surface(z)) discard; // the scene shows
     vec3 position = vec3(slope_at(gl_FragCoord.xy) * -z, z), view = normalize(-position);
     vec3 n = fetch(t_normal, p).xyz;
-    float thickness = fetch(t_thickness, p).x, cosine = clamp(dot(n, view), 0.0, 1.0);
+    float thickness = value_at(t_thickness, p, THICKEST), cosine = clamp(dot(n, view), 0.0, 1.0);
     vec3 behind = refracted(z, shift(n, view, position, cosine, thickness));
     behind = mix(frame.fluid.rgb, behind, through_water(thickness));
     o_color = vec4(mix(behind, reflected(n, view, position), fresnel(cosine)) + highlight(n, view), 1.0);

@@ -29,15 +29,6 @@ uniform int u_cosine_added;  // B12 as printed
 
 layout(location = 0) out vec4 o_color;
 
-const float THICKEST = 1e6; // m, SSFR_THICKEST
-
-// From 0 to the most; what is not a number is 0.
-float value_at(sampler2D t, ivec2 p, float most)
-{
-    float value = fetch(t, p).x;
-    return value > 0.0 ? min(value, most) : 0.0;
-}
-
 // Water over a colour, eqs 3.5 and 3.7; gives what comes through.
 vec3 cover_with_water(float thickness, inout vec3 color)
 {

@@ -13,6 +13,15 @@ uniform int u_reject;
 uniform int u_reflection;    // 0: sky, 1: scene
 uniform int u_single;        // one coefficient for all colours
 
+const float THICKEST = 1e6; // m, SSFR_THICKEST
+
+// From 0 to the most; what is not a number is 0.
+float value_at(sampler2D t, ivec2 p, float most)
+{
+    float value = fetch(t, p).x;
+    return value > 0.0 ? min(value, most) : 0.0;
+}
+
 // Fresnel's equations for a dielectric: the share that is mirrored.
 float fresnel_exact(float cosine)
 {

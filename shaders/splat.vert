@@ -1,7 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 // splat.vert: a particle as a POINT, as a QUAD around its disc, or as a quad around its EXACT perspective outline;
-// under SIZES each particle's radius is multiplied by a size of its own, and 0 draws nothing.
+// under SIZES each particle's radius is multiplied by a size of its own, and 0 draws nothing; under SPARE_FOAM what is foam
+// at all is not drawn; under CENTRE the foam is looked up where the particle's centre is seen.
 #include "common.glsl"
 #include "particles.glsl"
 
@@ -21,6 +22,13 @@ flat out uint v_particle;
 #ifdef SIZES
 layout(std430, binding = 4) readonly buffer Sizes { float sizes[]; }; // SSFR_BIND_VALUES
 flat out float v_radius; // m
+#endif
+#ifdef SPARE_FOAM
+layout(std430, binding = 5) readonly buffer Foam { float foam[]; }; // after the sizes
+#endif
+#ifdef CENTRE
+uniform sampler2D t_foam_depth;
+flat out vec2 v_seen; // m, eye-space z of the centre and of the foam there
 #endif
 
 #ifdef EXACT
@@ -80,6 +88,14 @@ void main()
     gl_Position = vec4(2.0 * p.x / image.x - 1.0, 1.0 - 2.0 * p.y / image.y, 0.0, 1.0);
 #ifdef SIZES
     keep = keep && size > 0.0;
+#endif
+#ifdef SPARE_FOAM
+    keep = keep && !(foam[min(i, foam.length() - 1)] > 0.0);
+#endif
+#ifdef CENTRE
+    // Outside the image at its nearest pixel; a centre before the near plane as if in it.
+    vec2 at = 0.5 * image + vec2(c.x, -c.y) / max(-c.z, frame.horizon.w) / frame.image.zw;
+    v_seen = vec2(c.z, fetch(t_foam_depth, ivec2(clamp(at, vec2(0), image))).x);
 #endif
     if (!keep) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // outside of all that is drawn
 }

@@ -35,7 +35,7 @@ static unsigned program(const char *vert, const char *frag, const char *defines)
 static ssfr_texture texture(int w, int h, int c)
 {
     ssfr_texture made;
-    assert_int_equal(ssfr_texture_create(gl, &made, w, h, c), SSFR_OK);
+    assert_int_equal(ssfr_texture_create(gl, &made, w, h, c, SSFR_STORE_FLOAT), SSFR_OK);
     assert_int_equal(made.w, w);
     assert_int_equal(made.h, h);
     assert_int_equal(made.c, c);
@@ -267,7 +267,7 @@ static void images_of_wrong_size_are_refused(void **state)
         const int w = wrong[i][0], h = wrong[i][1], c = wrong[i][2];
         char text[64];
         snprintf(text, sizeof text, "GPU image of %d x %d pixels and %d channels", w, h, c);
-        assert_fails(SSFR_ERR_VALUE, ssfr_texture_create(gl, &image, w, h, c), text);
+        assert_fails(SSFR_ERR_VALUE, ssfr_texture_create(gl, &image, w, h, c, SSFR_STORE_FLOAT), text);
         assert_int_equal(image.name, 0);
     }
 }
@@ -294,7 +294,7 @@ static void running_out_of_memory_is_one_error_and_no_harm(void **state)
     ssfr_texture image;
     test_clear_log();
     if (ssfr_gl_get_limits(gl)->texture_px < 16384) skip();
-    const ssfr_result result = ssfr_texture_create(gl, &image, 16384, 16384, 4);
+    const ssfr_result result = ssfr_texture_create(gl, &image, 16384, 16384, 4, SSFR_STORE_FLOAT);
     if (result != SSFR_OK) {
         assert_int_equal(result, SSFR_ERR_MEMORY);
         test_assert_logged("16384 x 16384 pixels and 4 channels: GL_OUT_OF_MEMORY", __FILE__, __LINE__);

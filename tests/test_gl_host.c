@@ -211,7 +211,7 @@ static void run_a_frame(ssfr_gl *gl, const objects *o)
     ssfr_field *drawn = NULL, *written = NULL;
     assert_int_equal(ssfr_gl_begin(gl), SSFR_OK);
     ssfr_gl_push(gl, "first");
-    assert_int_equal(ssfr_texture_create(gl, &texture, 37, 23, 4), SSFR_OK);
+    assert_int_equal(ssfr_texture_create(gl, &texture, 37, 23, 4, SSFR_STORE_FLOAT), SSFR_OK);
     for (size_t i = 0; i < SSFR_COUNT(capabilities); i++) toggle(capabilities[i]);
     make_a_mess(o, &texture);
     ssfr_gl_pop(gl);

@@ -11,12 +11,14 @@
 #define SSFR_GL_H
 
 #include "base/base.h"
+#include "base/half.h"
 
 enum { SSFR_GL_UNITS = 16, SSFR_GL_STORAGE = 8, SSFR_GL_UNIFORMS = 2 };
 
 typedef struct ssfr_texture {
     unsigned name;
     int w, h, c;   /* px, px, channels that mean something (3 are stored as 4) */
+    ssfr_storage storage;
     bool borrowed; /* the host's: never deleted */
 } ssfr_texture;
 
@@ -40,8 +42,8 @@ void ssfr_gl_baseline(ssfr_gl *gl);
 void ssfr_gl_push(ssfr_gl *gl, const char *name);
 void ssfr_gl_pop(ssfr_gl *gl);
 
-/* 2D textures in 32-bit float: R, RG, RGBA by channels; nearest, clamped to the edge, one level. */
-SSFR_MUST ssfr_result ssfr_texture_create(ssfr_gl *gl, ssfr_texture *out, int w, int h, int c);
+/* 2D textures of floats: R, RG, RGBA by channels; nearest, clamped to the edge, one level. */
+SSFR_MUST ssfr_result ssfr_texture_create(ssfr_gl *gl, ssfr_texture *out, int w, int h, int c, ssfr_storage storage);
 void ssfr_texture_finish(ssfr_texture *texture);
 void ssfr_texture_clear(const ssfr_texture *texture, const float value[4]);
 SSFR_MUST ssfr_result ssfr_texture_write(const ssfr_texture *texture, const ssfr_field *field);

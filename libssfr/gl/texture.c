@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* texture.c: images in 32-bit float, the framebuffer that draws into them, and buffers. */
+/* texture.c: images of floats, the framebuffer that draws into them, and buffers. */
 #include "gl/internal.h"
 
 enum { BAND_BYTES = 4 << 20 }; /* what a transfer between double and float holds at a time */
 
 typedef struct texture_format {
-    GLenum internal, format;
+    GLenum internal[2], format; /* the first by storage */
     int stored; /* channels */
 } texture_format;
 
@@ -13,7 +13,8 @@ typedef struct texture_format {
 static const texture_format *format_of(int c)
 {
     static const texture_format formats[] = {
-        {GL_R32F, GL_RED, 1}, {GL_RG32F, GL_RG, 2}, {GL_RGBA32F, GL_RGBA, 4}, {GL_RGBA32F, GL_RGBA, 4}};
+        {{GL_R32F, GL_R16F}, GL_RED, 1}, {{GL_RG32F, GL_RG16F}, GL_RG, 2},
+        {{GL_RGBA32F, GL_RGBA16F}, GL_RGBA, 4}, {{GL_RGBA32F, GL_RGBA16F}, GL_RGBA, 4}};
     return &formats[c - 1];
 }
 
@@ -35,7 +36,7 @@ static ssfr_result check_memory(ssfr_gl *gl, bool clean_before, const char *what
                      ssfr_gl_error_name(code));
 }
 
-ssfr_result ssfr_texture_create(ssfr_gl *gl, ssfr_texture *out, int w, int h, int c)
+ssfr_result ssfr_texture_create(ssfr_gl *gl, ssfr_texture *out, int w, int h, int c, ssfr_storage storage)
 {
     ssfr_result result = SSFR_OK;
     char what[64];
@@ -45,10 +46,10 @@ ssfr_result ssfr_texture_create(ssfr_gl *gl, ssfr_texture *out, int w, int h, in
         return ssfr_fail(SSFR_ERR_VALUE, "GPU image of %d x %d pixels and %d channels: sides to %d, channels to 4", w,
                          h, c, most);
     const texture_format *format = format_of(c);
-    ssfr_texture texture = {.w = w, .h = h, .c = c};
+    ssfr_texture texture = {.w = w, .h = h, .c = c, .storage = storage};
     const bool clean = no_error_yet(gl);
     glCreateTextures(GL_TEXTURE_2D, 1, &texture.name);
-    glTextureStorage2D(texture.name, 1, format->internal, w, h);
+    glTextureStorage2D(texture.name, 1, format->internal[storage], w, h);
     snprintf(what, sizeof what, "GPU image of %d x %d pixels and %d channels", w, h, c);
     SSFR_TRY(check_memory(gl, clean, what));
     glTextureParameteri(texture.name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -86,7 +87,8 @@ static ssfr_result band_create(float **out, const ssfr_texture *texture, int row
     return ssfr_alloc(out, (size_t)rows * (size_t)texture->w * (size_t)stored, sizeof **out, "a band of an image");
 }
 
-/* Channels are converted here and not by the driver, which then only copies: -1e30 and NaN pass as they are. */
+/* Channels are converted here and not by the driver, which then only copies what is stored in 32 bits: -1e30 and
+ * NaN pass as they are. */
 static void pack(float *to, int stored, const double *from, int c, size_t n)
 {
     for (size_t i = 0; i < n; i++, to += stored, from += c) {

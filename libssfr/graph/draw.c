@@ -78,7 +78,7 @@ end:
     return result;
 }
 
-/* A host's image may have another format, and one pixel is not a whole image: these are drawn. */
+/* A host's image may have another format, as halves have, and one pixel is not a whole image: these are drawn. */
 ssfr_result ssfr_draw_copy(const ssfr_draw *draw, const ssfr_texture *from, const ssfr_texture *to)
 {
     ssfr_result result = SSFR_OK;
@@ -86,7 +86,7 @@ ssfr_result ssfr_draw_copy(const ssfr_draw *draw, const ssfr_texture *from, cons
     if (!same_size && (from->w != 1 || from->h != 1))
         return ssfr_fail(SSFR_ERR_VALUE, "image of %d x %d pixels for a texture of %d x %d", from->w, from->h, to->w,
                          to->h);
-    if (same_size && !from->borrowed && !to->borrowed) {
+    if (same_size && from->storage == to->storage && !from->borrowed && !to->borrowed) {
         glCopyImageSubData(from->name, GL_TEXTURE_2D, 0, 0, 0, 0, to->name, GL_TEXTURE_2D, 0, 0, 0, 0, to->w, to->h, 1);
     } else {
         SSFR_TRY(ssfr_gl_target(draw->gl, 1, &to));

@@ -75,7 +75,7 @@ static ssfr_result give_texture(ssfr_graph *graph, resource *r, const ssfr_field
     ssfr_result result = SSFR_OK;
     SSFR_TRY(ssfr_gl_begin(graph->gl));
     if (r->given.texture.borrowed) ssfr_image_finish(&r->given);
-    result = ssfr_image_ensure(graph, &r->given, field->w, field->h, field->c);
+    result = ssfr_image_ensure(graph, &r->given, field->w, field->h, field->c, SSFR_STORE_FLOAT);
     if (result == SSFR_OK) result = ssfr_texture_write(&r->given.texture, field);
     result = ssfr_gl_end(graph->gl, result);
 end:
@@ -86,7 +86,7 @@ static ssfr_result give_field(ssfr_graph *graph, resource *r, const ssfr_field *
 {
     ssfr_result result = SSFR_OK;
     const size_t n = (size_t)field->w * (size_t)field->h * (size_t)field->c;
-    SSFR_TRY(ssfr_image_ensure(graph, &r->given, field->w, field->h, field->c));
+    SSFR_TRY(ssfr_image_ensure(graph, &r->given, field->w, field->h, field->c, SSFR_STORE_FLOAT));
     memcpy(r->given.field->data, field->data, n * sizeof *field->data);
 end:
     return result;

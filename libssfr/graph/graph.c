@@ -9,14 +9,14 @@ static const ssfr_param off_row = SSFR_PARAM_FLAG(node, off, 0, "leave this node
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
-ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c)
+ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c, ssfr_storage storage)
 {
     ssfr_result result = SSFR_OK;
-    if (im->w == w && im->h == h && im->c == c) return SSFR_OK;
+    if (im->w == w && im->h == h && im->c == c && im->storage == storage) return SSFR_OK;
     ssfr_image_finish(im);
-    if (graph->gl) SSFR_TRY(ssfr_texture_create(graph->gl, &im->texture, w, h, c));
+    if (graph->gl) SSFR_TRY(ssfr_texture_create(graph->gl, &im->texture, w, h, c, storage));
     else SSFR_TRY(ssfr_field_create(&im->field, w, h, c));
-    im->w = w, im->h = h, im->c = c;
+    im->w = w, im->h = h, im->c = c, im->storage = storage;
     graph->grew++;
 end:
     return result;
@@ -186,7 +186,7 @@ static ssfr_result make_neutrals(ssfr_graph *graph)
         image *im = &graph->neutral[id];
         if (slot->kind == SSFR_PARTICLES) SSFR_TRY(make_neutral_values(graph, id));
         if (slot->kind == SSFR_PARTICLES || im->w) continue;
-        SSFR_TRY(ssfr_image_ensure(graph, im, 1, 1, slot->channels));
+        SSFR_TRY(ssfr_image_ensure(graph, im, 1, 1, slot->channels, SSFR_STORE_FLOAT));
         const float value = (float)slot->neutral;
         if (graph->gl) ssfr_texture_clear(&im->texture, (const float[4]){value, value, value, value});
         else ssfr_field_fill(im->field, slot->neutral);

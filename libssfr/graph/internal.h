@@ -16,6 +16,7 @@ enum { SSFR_MAX_NODES = 32, SSFR_MAX_RESOURCES = 96, SSFR_MAX_UNIFORMS = 24 };
 
 typedef struct image {
     int w, h, c;
+    ssfr_storage storage; /* of the texture; a field holds doubles, rounded to it */
     ssfr_field *field;
     ssfr_texture texture;
 } image;
@@ -53,6 +54,7 @@ typedef struct resource {
     bool wanted;
     int divisor;    /* of the frame's resolution */
     int from;       /* the resource that stands in for it, -1: none */
+    bool is_spared; /* its node runs and does not make it */
     const image *image;
 } resource;
 
@@ -153,8 +155,14 @@ static inline bool ssfr_slot_is_particles(ssfr_slot_id slot) { return ssfr_slots
 int ssfr_port_of_values(const ssfr_port *ports, int j);
 
 /* An image of this size and kind; remade only when it differs. */
-SSFR_MUST ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c);
+SSFR_MUST ssfr_result ssfr_image_ensure(ssfr_graph *graph, image *im, int w, int h, int c, ssfr_storage storage);
 void ssfr_image_finish(image *im);
+
+/* What the GPU stores a node's outputs in. */
+static inline ssfr_storage ssfr_node_storage(const node *n)
+{
+    return n->pass->storage ? n->pass->storage(n->params) : SSFR_STORE_FLOAT;
+}
 
 /* Makes program i of a node with these lines after #version, or those of its row where they are empty. */
 SSFR_MUST ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const char *defines);

@@ -8,6 +8,7 @@
 #define SSFR_PASS_H
 
 #include "base/field.h"
+#include "base/half.h"
 #include "base/param.h"
 #include "graph/frame.h"
 
@@ -88,9 +89,11 @@ typedef struct ssfr_run {
     int divisor_in; /* resolution divisor of the first input, 1 without one */
     int divisor;    /* of the outputs */
     int w, h;       /* px, of the outputs */
+    int n_out;      /* outputs that the frame needs, the first ones */
+    bool is_neutral[SSFR_MAX_PORTS]; /* inputs that are images which nobody made in this frame: one neutral pixel */
     /* the CPU twin */
     const ssfr_field *in[SSFR_MAX_PORTS];
-    ssfr_field *out[SSFR_MAX_OUTPUTS];
+    ssfr_field *out[SSFR_MAX_OUTPUTS]; /* NULL from n_out on */
     ssfr_field *scratch[SSFR_MAX_SCRATCH];
     /* As many as n_words says, zero at first. On the GPU a buffer of the shaders is in their place, and when the frame
      * is finished its first SSFR_COUNTS stand here. */
@@ -134,6 +137,13 @@ struct ssfr_pass {
     const char *needless;
     /* By what its outputs' resolution divisor exceeds its input's. NULL: 1. */
     int (*shrink)(const void *params);
+    /* How many of the outputs, the first ones, the frame needs, from 1: the others would be neutral everywhere, and are not
+     * made. By facts, parameters and is_neutral. NULL: all. Made all the same, they must be neutral, and the rest change
+     * no bit. */
+    int (*n_needed)(const ssfr_run *run);
+    /* What the GPU stores the outputs and scratch in: as halves it rounds what it writes, and every sum of blending.
+     * cpu_run rounds as often, by ssfr_half_round. NULL: floats. */
+    ssfr_storage (*storage)(const void *params);
     /* How far splats reach from a particle, in particle radii. NULL: no splats. */
     double (*reach)(const void *params);
 
@@ -159,7 +169,7 @@ struct ssfr_pass {
     /* Of a finished frame: fills the report's taps, iterations, vertices, bytes, tiles and unstable; the graph has put
      * in one sweep that reads each input and writes each output once. NULL: that is right. */
     void (*work)(const ssfr_run *run, ssfr_node_report *report);
-    ssfr_tolerance tolerance;
+    ssfr_tolerance tolerance, half_tolerance; /* the second where halves are stored */
 };
 
 typedef struct ssfr_binding {

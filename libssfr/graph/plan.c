@@ -33,6 +33,7 @@ static ssfr_result start(ssfr_graph *graph, resource *r)
 {
     r->wanted = r->asked || graph->want_all;
     r->from = -1;
+    r->is_spared = false;
     r->divisor = r->is_given ? given_divisor(graph, r) : 1;
     if (!r->divisor)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: %d x %d pixels given, the frame has %d x %d", ssfr_slots[r->slot].name,
@@ -118,10 +119,23 @@ static const image *source(const ssfr_graph *graph, int index, int *divisor)
 {
     const resource *r = &graph->resources[index];
     while (!r->is_given && r->from >= 0) r = &graph->resources[r->from];
-    const bool ran = r->writer >= 0 && graph->reports[r->writer].status == SSFR_RAN;
+    const bool ran = r->writer >= 0 && graph->reports[r->writer].status == SSFR_RAN && !r->is_spared;
     const image *im = r->is_given ? &r->given : ran ? &r->own : &graph->neutral[r->slot];
     *divisor = ran && !r->is_given ? r->divisor : is_one_pixel(im) ? 0 : r->divisor;
     return im;
+}
+
+/* First node first, for what is read decides what is written. */
+static void spare_outputs(ssfr_graph *graph, node *n, bool keep_all)
+{
+    n->run.n_out = n->n_out;
+    for (int k = 0; k < n->n_in; k++) {
+        int divisor;
+        const resource *r = &graph->resources[n->in[k]];
+        n->run.is_neutral[k] = source(graph, n->in[k], &divisor) == &graph->neutral[r->slot];
+    }
+    if (n->pass->n_needed && !keep_all) n->run.n_out = n->pass->n_needed(&n->run);
+    for (int k = n->run.n_out; k < n->n_out; k++) graph->resources[n->out[k]].is_spared = true;
 }
 
 /* A pass reads its inputs pixel by pixel: they have its own resolution, unless it says that it scales. */
@@ -179,6 +193,7 @@ ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all)
     for (int i = 0; i < graph->n_resources; i++) SSFR_TRY(start(graph, &graph->resources[i]));
     for (int i = 0; i < graph->n_nodes; i++) set_divisors(graph, &graph->nodes[i]);
     decide_all(graph, keep_all);
+    for (int i = 0; i < graph->n_nodes; i++) spare_outputs(graph, &graph->nodes[i], keep_all);
     for (int i = 0; i < graph->n_resources; i++) {
         int divisor;
         graph->resources[i].image = source(graph, i, &divisor);

@@ -116,7 +116,7 @@ static ssfr_result upload_environment(ssfr_graph *graph)
     graph->environment_key = 0;
     if (to->w != map->w || to->h != map->h) {
         ssfr_texture_finish(to);
-        SSFR_TRY(ssfr_texture_create(graph->gl, to, map->w, map->h, 3));
+        SSFR_TRY(ssfr_texture_create(graph->gl, to, map->w, map->h, 3, SSFR_STORE_FLOAT));
         graph->grew++;
     }
     SSFR_TRY(ssfr_texture_write(to, map));
@@ -209,13 +209,14 @@ end:
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 /* Whether a node can draw right into the host's texture: when what it writes is the result, be it that the nodes that
- * would draw over it are left out; but not when it reads it, nor when it is of another size. */
+ * would draw over it are left out; but not when it reads it, nor when it is of another size or stored otherwise. */
 static bool is_export(const ssfr_graph *graph, const node *n, int index, int w, int h)
 {
     const ssfr_texture *to = &graph->exported;
     const ssfr_slot_id slot = graph->pipeline->result;
     const resource *r = &graph->resources[index], *shown = &graph->resources[graph->last[slot]];
     bool ok = to->name && r->slot == slot && shown->image == &r->own && to->w == w && to->h == h;
+    ok &= ssfr_node_storage(n) == SSFR_STORE_FLOAT;
     for (int k = 0; k < n->n_in; k++) ok &= graph->resources[n->in[k]].image->texture.name != to->name;
     return ok;
 }
@@ -227,7 +228,7 @@ static ssfr_result ensure_output(ssfr_graph *graph, const node *n, int k)
     const int w = (graph->frame.w + d - 1) / d, h = (graph->frame.h + d - 1) / d;
     const bool exported = graph->gl && is_export(graph, n, n->out[k], w, h);
     if (r->own.texture.borrowed || exported) ssfr_image_finish(&r->own);
-    if (!exported) return ssfr_image_ensure(graph, &r->own, w, h, c);
+    if (!exported) return ssfr_image_ensure(graph, &r->own, w, h, c, ssfr_node_storage(n));
     r->own = (image){.w = w, .h = h, .c = c, .texture = graph->exported};
     return SSFR_OK;
 }
@@ -235,10 +236,10 @@ static ssfr_result ensure_output(ssfr_graph *graph, const node *n, int k)
 static ssfr_result ensure_images(ssfr_graph *graph, node *n)
 {
     ssfr_result result = SSFR_OK;
-    for (int k = 0; k < n->n_out; k++) SSFR_TRY(ensure_output(graph, n, k));
+    for (int k = 0; k < n->run.n_out; k++) SSFR_TRY(ensure_output(graph, n, k));
     for (int k = 0; k < n->pass->n_scratch; k++)
         SSFR_TRY(ssfr_image_ensure(graph, &n->scratch[k], n->run.w, n->run.h,
-                                   ssfr_slots[graph->resources[n->out[0]].slot].channels));
+                                   ssfr_slots[graph->resources[n->out[0]].slot].channels, ssfr_node_storage(n)));
 end:
     return result;
 }
@@ -297,8 +298,8 @@ static ssfr_result run_on_cpu(ssfr_graph *graph, node *n)
     ssfr_run *run = &n->run;
     for (int k = 0; k < n->n_in; k++) run->in[k] = graph->resources[n->in[k]].image->field;
     for (int k = 0; k < n->n_out; k++) {
-        run->out[k] = graph->resources[n->out[k]].own.field;
-        if (!n->pass->whole_screen) begin_field(run->out[k], begins_as(graph, n, k)->field);
+        run->out[k] = k < run->n_out ? graph->resources[n->out[k]].own.field : NULL;
+        if (run->out[k] && !n->pass->whole_screen) begin_field(run->out[k], begins_as(graph, n, k)->field);
     }
     for (int k = 0; k < n->pass->n_scratch; k++) {
         run->scratch[k] = n->scratch[k].field;
@@ -362,11 +363,11 @@ static ssfr_result fill_draw(ssfr_graph *graph, node *n)
 {
     ssfr_result result = SSFR_OK;
     ssfr_draw *draw = &n->draw;
-    *draw = (ssfr_draw){.gl = graph->gl, .n_out = n->n_out, .programs = n->programs,
+    *draw = (ssfr_draw){.gl = graph->gl, .n_out = n->run.n_out, .programs = n->programs,
                         .whole_screen = n->pass->whole_screen, .stride = 3, .quads = graph->quads,
                         .copy = graph->copy, .sampler = graph->sampler, .tiles_by_solids = graph->tiles_by_solids};
     if (graph->host.buffer) draw->stride = (int)graph->host.stride, draw->first = (int)graph->host.first;
-    for (int k = 0; k < n->n_out; k++) {
+    for (int k = 0; k < draw->n_out; k++) {
         draw->out[k] = &graph->resources[n->out[k]].own.texture;
         SSFR_TRY(begin_texture(graph, n, k, draw->out[k]));
     }
@@ -428,7 +429,7 @@ static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
     SSFR_TRY(fit_programs(graph, n));
     for (int i = 0; n->pass->programs[i].vert; i++) set_uniforms(n, i);
     if (n->pass->gl_run) SSFR_TRY(n->pass->gl_run(&n->run));
-    else SSFR_TRY(ssfr_draw_screen(&n->run, n->programs[0], n->n_out, n->draw.out));
+    else SSFR_TRY(ssfr_draw_screen(&n->run, n->programs[0], n->draw.n_out, n->draw.out));
 end:
     ssfr_gl_pop(graph->gl);
     return result;
@@ -452,6 +453,11 @@ static double values_bytes(const particle_values *v)
     return v->now.same ? 0 : (double)sizeof(float) * v->now.c * (double)v->now.n;
 }
 
+static double channel_bytes(ssfr_storage storage)
+{
+    return storage == SSFR_STORE_HALF ? 2 : sizeof(float);
+}
+
 /* One sweep that reads each input and writes each output once; the pass knows better where that is wrong. */
 static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report *report)
 {
@@ -464,10 +470,11 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
         if (values) report->bytes += values_bytes(&r->values);
         if (values) continue;
         if (n->pass->taps == 0) report->taps++;
-        report->bytes += 4.0 * ssfr_slots[r->slot].channels * px * ssfr_square((double)n->run.divisor / r->divisor);
+        report->bytes += channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * px *
+                         ssfr_square((double)n->run.divisor / r->divisor);
     }
-    for (int k = 0; k < n->n_out; k++)
-        report->bytes += 4.0 * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
+    for (int k = 0; k < n->run.n_out; k++)
+        report->bytes += channel_bytes(ssfr_node_storage(n)) * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
     if (n->pass->work) n->pass->work(&n->run, report);
     if (report->tiles == 0) report->tiles = report->iterations * drawn_tiles(graph, n);
 }
@@ -587,7 +594,7 @@ end:
 static double bytes_of(const image *im)
 {
     if (im->field) return (double)sizeof(double) * im->w * im->h * im->c;
-    return im->texture.borrowed ? 0 : (double)sizeof(float) * im->w * im->h * (im->c == 3 ? 4 : im->c);
+    return im->texture.borrowed ? 0 : channel_bytes(im->storage) * im->w * im->h * (im->c == 3 ? 4 : im->c);
 }
 
 static double image_bytes(const ssfr_graph *graph)

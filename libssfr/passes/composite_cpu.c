@@ -30,7 +30,7 @@ static void pixel(const ssfr_run *run, int x, int y, double out[3])
 {
     const ssfr_composite_coeffs *c = run->coeffs;
     const ssfr_surface s = ssfr_surface_at(run, x, y);
-    const double thickness = *ssfr_field_fetch(run->in[SSFR_OPTICS_INPUTS], x, y);
+    const double thickness = ssfr_optics_value(run->in[SSFR_OPTICS_INPUTS], x, y, SSFR_THICKEST);
     double d[2], behind[3], through[3], mirrored[3];
     if (!ssfr_is_surface(s.z)) return; /* the scene shows */
     const double f = fresnel(&s, c), shine = ssfr_surface_highlight(&s);

@@ -15,10 +15,6 @@ enum {
     SSFR_LAYER_BACK = SSFR_OPTICS_INPUTS, SSFR_LAYER_FRONT, SSFR_LAYER_FOAM, SSFR_LAYER_FOAM_FRONT, SSFR_LAYER_LIGHT,
 };
 
-/* m, more than any water: thicker is as thick. The same number bounds T_ff / delta_foam where that is not held to 1.
- * Its products are finite in float, so that nothing is 0 times infinity. */
-#define SSFR_THICKEST 1e6
-
 typedef struct ssfr_layer_composite_coeffs {
     ssfr_optics optics;     /* first */
     double shift;           /* px a metre of water */

@@ -9,13 +9,6 @@ typedef struct layers { /* of one pixel */
     double light;                         /* [0, 1] */
 } layers;
 
-/* From 0 to the most; what is not a number is 0. */
-static double value_at(const ssfr_run *run, int port, int x, int y, double most)
-{
-    const double value = *ssfr_field_fetch(run->in[port], x, y);
-    return value > 0 ? fmin(value, most) : 0;
-}
-
 /* Water over a colour, eqs 3.5 and 3.7; gives what comes through. */
 static void cover_with_water(const layers *l, double thickness, double color[3], double through[3])
 {
@@ -85,11 +78,11 @@ static void compose(const layers *l, double color[3])
 static void pixel(const ssfr_run *run, int x, int y, double out[3])
 {
     const layers l = {.c = run->coeffs, .s = ssfr_surface_at(run, x, y),
-                      .back = value_at(run, SSFR_LAYER_BACK, x, y, SSFR_THICKEST),
-                      .front = value_at(run, SSFR_LAYER_FRONT, x, y, SSFR_THICKEST),
-                      .foam = value_at(run, SSFR_LAYER_FOAM, x, y, SSFR_THICKEST),
-                      .foam_front = value_at(run, SSFR_LAYER_FOAM_FRONT, x, y, SSFR_THICKEST),
-                      .light = value_at(run, SSFR_LAYER_LIGHT, x, y, 1)};
+                      .back = ssfr_optics_value(run->in[SSFR_LAYER_BACK], x, y, SSFR_THICKEST),
+                      .front = ssfr_optics_value(run->in[SSFR_LAYER_FRONT], x, y, SSFR_THICKEST),
+                      .foam = ssfr_optics_value(run->in[SSFR_LAYER_FOAM], x, y, SSFR_THICKEST),
+                      .foam_front = ssfr_optics_value(run->in[SSFR_LAYER_FOAM_FRONT], x, y, SSFR_THICKEST),
+                      .light = ssfr_optics_value(run->in[SSFR_LAYER_LIGHT], x, y, 1)};
     if (ssfr_is_surface(l.s.z) || l.back > 0 || l.front > 0 || l.foam > 0) compose(&l, out); /* else the scene shows */
 }
 

@@ -16,6 +16,12 @@ bool ssfr_optics_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
     return true;
 }
 
+double ssfr_optics_value(const ssfr_field *field, int x, int y, double most)
+{
+    const double value = *ssfr_field_fetch(field, x, y);
+    return value > 0 ? fmin(value, most) : 0;
+}
+
 ssfr_surface ssfr_surface_at(const ssfr_run *run, int x, int y)
 {
     ssfr_surface s = {.run = run, .optics = run->coeffs, .block = &run->frame->block, .x = x, .y = y};

@@ -15,15 +15,22 @@ void ssfr_splat_derive(const ssfr_run *run, void *coeffs)
     splat->max_point_px = p->max_point_px;
     splat->form = p->form;
     splat->by_distance = p->size == SSFR_SIZE_DISTANCE;
+    splat->spares_foam = 0;
+}
+
+bool ssfr_splat_define(const ssfr_run *run, int i, const char *more, char text[SSFR_DEFINES])
+{
+    static const char *const forms[] = {"POINT", "QUAD", "EXACT"};
+    const ssfr_splat_params *p = run->params;
+    const char *sizes = run->values[0]->same ? "" : "#define SIZES\n";
+    text[0] = '\0';
+    if (sizes[0] || more[0]) snprintf(text, SSFR_DEFINES, "#define %s\n%s%s", forms[i], sizes, more);
+    return i == p->form;
 }
 
 bool ssfr_splat_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
 {
-    static const char *const forms[] = {"POINT", "QUAD", "EXACT"};
-    const ssfr_splat_params *p = run->params;
-    text[0] = '\0';
-    if (!run->values[0]->same) snprintf(text, SSFR_DEFINES, "#define %s\n#define SIZES\n", forms[i]);
-    return i == p->form;
+    return ssfr_splat_define(run, i, "", text);
 }
 
 double ssfr_splat_reach(const void *params)

@@ -22,6 +22,7 @@ typedef struct ssfr_splat { /* the first member of its coefficients */
     double radius;       /* m */
     double max_point_px;
     int form, by_distance;
+    int spares_foam;     /* particles that are foam at all are not drawn; the second port of values is then foam */
 } ssfr_splat;
 
 extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
@@ -46,6 +47,8 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
 #define SSFR_SPLAT_SIZE_PORT {"size", SSFR_SLOT_water_size, .widens = true}
 /* `defines` of such a pass, whose programs have no further ones: no sizes are read where there are none. */
 bool ssfr_splat_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES]);
+/* The same with these lines more. */
+bool ssfr_splat_define(const ssfr_run *run, int i, const char *more, char text[SSFR_DEFINES]);
 
 /* The three programs of a pass that splats: its fragment shader under each form; more: further defines. */
 #define SSFR_SPLAT_PROGRAMS(frag, more)                                                                               \
@@ -66,6 +69,7 @@ ssfr_result ssfr_splat_gl_add(const ssfr_run *run);
 
 typedef struct ssfr_fragment { /* where a pixel's ray meets a particle's sphere */
     size_t particle;
+    const double *centre; /* m, eye space */
     int x, y;
     double a, b;   /* place on the sprite, right and down, in radii */
     double r2;     /* a^2 + b^2, <= 1 */

@@ -102,20 +102,20 @@ ssfr_box ssfr_splat_box(const ssfr_run *run, const double lo[2], const double hi
                       (int)floor(ssfr_clamp(lo[1], y0, y1)), (int)ceil(ssfr_clamp(hi[1], y0, y1))};
 }
 
-/* What all particles share, for one of its own size; false when that is 0. */
+/* What all particles share, for one of its own size; false where it is not drawn. */
 static bool size_splat(const ssfr_run *run, size_t i, ssfr_splat *splat)
 {
     const double size = run->values[0] ? (double)*ssfr_values_at(run->values[0], i) : 1;
     *splat = *(const ssfr_splat *)run->coeffs;
     splat->radius *= size;
-    return size > 0;
+    return size > 0 && !(splat->spares_foam && *ssfr_values_at(run->values[1], i) > 0);
 }
 
 static void draw_particle(const ssfr_run *run, size_t i, int y0, int y1, ssfr_splat_shade *shade)
 {
     ssfr_splat sized, *const splat = &sized;
     footprint f;
-    ssfr_fragment frag = {.particle = i, .area = 1};
+    ssfr_fragment frag = {.particle = i, .centre = f.centre, .area = 1};
     if (!size_splat(run, i, splat)) return;
     const bool exact = splat->form == SSFR_SPLAT_EXACT;
     ssfr_frame_eye(run->frame, i, f.centre);

@@ -2,15 +2,31 @@
 /* thickness_cpu.c: the sum of the particles' chords at each pixel, in double. */
 #include "passes/thickness.h"
 
-static void add(const ssfr_run *run, const ssfr_fragment *f, double *pixel)
+double ssfr_thickness_of(const ssfr_run *run, ssfr_fragment *f)
 {
     const ssfr_thickness_coeffs *c = run->coeffs;
-    const double scene = *ssfr_field_fetch(run->in[0], f->x, f->y);
+    const double scene = *ssfr_field_fetch(run->in[0], f->x, f->y), back = f->back;
     double t = f->chord * c->scale;
-    if (f->front < scene) return;
+    if (f->front < scene) return 0;
     if (c->exponential) t *= exp(-2 * f->r2);
-    if (c->clipped) t *= (f->front - fmax(f->back, scene)) / fmax(f->front - f->back, 1e-20);
-    *pixel += t;
+    if (c->clipped) {
+        f->back = fmax(back, scene);
+        t *= (f->front - f->back) / fmax(f->front - back, 1e-20);
+    }
+    return t;
+}
+
+void ssfr_thickness_add(const ssfr_run *run, double thickness, double *sum)
+{
+    const ssfr_thickness_coeffs *c = run->coeffs;
+    *sum += thickness;
+    if (c->half) *sum = ssfr_half_round(*sum);
+}
+
+static void add(const ssfr_run *run, const ssfr_fragment *hit, double *pixel)
+{
+    ssfr_fragment f = *hit;
+    ssfr_thickness_add(run, ssfr_thickness_of(run, &f), pixel);
 }
 
 void ssfr_thickness_cpu(const ssfr_run *run)

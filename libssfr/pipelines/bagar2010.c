@@ -16,8 +16,8 @@ const ssfr_pipeline ssfr_pipeline_bagar2010 = {
         {"adaptive_flow"},
         {"upsample"},
         {"normals"},
-        {"thickness"},
-        {"layer_composite", .ports = {{"thickness_back", SSFR_SLOT_thickness}}},
+        {"layer_thickness"},
+        {"layer_composite"},
         {"spray"},
     },
 };
