@@ -210,6 +210,12 @@ test_hit test_meet(const double centre[3], double radius, test_ray ray)
     return (test_hit){(double)(-(dc - root) / dd), (double)(-(dc + root) / dd), (double)sqrtl(cross / dd)};
 }
 
+double test_chord_rounding(double eps, const double centre[3], double radius, double miss)
+{
+    const double moved = 8 * eps * (sqrt(ssfr_dot(centre, centre)) + radius);
+    return fmin(moved * (1 + 2 * radius / sqrt(fmax(radius * radius - miss * miss, 0))), 4 * sqrt(radius * moved));
+}
+
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 static size_t n_values(const ssfr_field *f)

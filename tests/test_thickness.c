@@ -14,14 +14,6 @@ static const ssfr_field *splat(test_twin *t, const char *form, const double c[3]
     return test_twin_run(t, "thickness");
 }
 
-/* Rounding moves the ray's nearest point to the centre by a few units of the distance; the chord sqrt(R^2 - d^2) by
- * R / sqrt(R^2 - d^2) times that. At the rim itself, where the chord is steep, by the root of it. */
-static double allowed(double eps, const double c[3], double radius, double miss)
-{
-    const double moved = 8 * eps * (sqrt(ssfr_dot(c, c)) + radius);
-    return fmin(moved * (1 + 2 * radius / sqrt(fmax(radius * radius - miss * miss, 0))), 4 * sqrt(radius * moved));
-}
-
 static double chord(double radius, double miss)
 {
     return miss < radius ? 2 * sqrt((radius - miss) * (radius + miss)) : 0;
@@ -47,7 +39,7 @@ static void exact_chord_is_the_length_of_the_ray_in_the_sphere(void **state)
             for (int x = 0; x < 61; x++) {
                 const double miss = test_meet(places[i], 0.41, test_ray_at(t, x, y, 1)).miss;
                 const double value = *ssfr_field_at(thickness, x, y);
-                assert_close(value, chord(0.41, miss), allowed(t->eps, places[i], 0.41, miss), 0);
+                assert_close(value, chord(0.41, miss), test_chord_rounding(t->eps, places[i], 0.41, miss), 0);
                 largest = fmax(largest, value);
             }
         assert_true(largest > 0.81);
@@ -62,7 +54,7 @@ static void assert_disc(const test_twin *t, const ssfr_field *thickness, const d
         for (int x = 0; x < thickness->w; x++) {
             const test_ray ray = test_ray_at(t, x, y, 1);
             const double a = (ray.u + c[0] / c[2]) * -c[2], b = (ray.v + c[1] / c[2]) * -c[2];
-            const double miss = sqrt(a * a + b * b), tolerance = allowed(t->eps, c, radius, miss);
+            const double miss = sqrt(a * a + b * b), tolerance = test_chord_rounding(t->eps, c, radius, miss);
             const double kernel = exponential ? exp(-2 * miss * miss / (radius * radius)) : 1;
             assert_close(*ssfr_field_at(thickness, x, y), kernel * chord(radius, miss), tolerance, 0);
         }
@@ -88,7 +80,7 @@ static void exponential_kernel_of_exact_splats_takes_the_distance_from_the_ray(v
         for (int x = 0; x < 61; x++) {
             const double miss = test_meet(places[1], 0.41, test_ray_at(t, x, y, 1)).miss, r = miss / 0.41;
             assert_close(*ssfr_field_at(thickness, x, y), chord(0.41, miss) * exp(-2 * r * r),
-                         allowed(t->eps, places[1], 0.41, miss), 0);
+                         test_chord_rounding(t->eps, places[1], 0.41, miss), 0);
         }
 }
 
@@ -106,7 +98,8 @@ static void overlapping_spheres_add_up(void **state)
             const test_ray ray = test_ray_at(t, i % 61, i / 61, 1);
             const double miss_a = test_meet(both[0], 0.4, ray).miss, miss_b = test_meet(both[1], 0.4, ray).miss;
             /* A packet of two holds places as floats relative to its middle. */
-            const double rim = allowed(FLT_EPSILON, both[0], 0.4, miss_a) + allowed(FLT_EPSILON, both[1], 0.4, miss_b);
+            const double rim = test_chord_rounding(FLT_EPSILON, both[0], 0.4, miss_a) +
+                               test_chord_rounding(FLT_EPSILON, both[1], 0.4, miss_b);
             assert_close(sum->data[i], a->data[i] + b->data[i], rim, 0);
             n_both += a->data[i] > 0 && b->data[i] > 0;
         }
@@ -206,7 +199,7 @@ static void wall_takes_what_is_behind_it(void **state)
             for (int x = 0; x < 61; x++) {
                 const test_ray ray = test_ray_at(t, x, y, 1);
                 const test_hit hit = test_meet(places[0], 0.5, ray);
-                const double tolerance = allowed(t->eps, places[0], 0.5, hit.miss);
+                const double tolerance = test_chord_rounding(t->eps, places[0], 0.5, hit.miss);
                 if (hit.miss < 0.5 && fabs(hit.front - walls[k]) < tolerance) continue;
                 const bool shows = hit.miss < 0.5 && hit.front > walls[k];
                 const double before = shows ? hit.front - fmax(hit.back, walls[k]) : 0;
