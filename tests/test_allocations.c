@@ -35,7 +35,7 @@ static void a_frame_allocates_nothing_after_the_first(void **state)
         {NULL},
         {"downsample.factor=4", "noise_normals.height=0.3", NULL},
         {"noise_foam.strength=1", NULL},
-        {"sphere_depth.splat=exact", "thickness.splat=quad", NULL},
+        {"sphere_depth.splat=exact", "thickness.splat=quad", "thickness.storage=half", NULL},
         {"curvature_flow.iterations=3", "composite.refraction=snell", NULL},
     };
     static const ssfr_run_options options[] = {{0}, {.keep_all = true}, {.timing = true}};

@@ -505,6 +505,21 @@ static void pixels_without_surface_are_untouched(void **state)
     assert_true(n_touched > W * H);
 }
 
+/* From nothing to beyond what half and single floats hold, and what is no number. */
+static void pictures_are_finite_whatever_the_thickness_is(void **state)
+{
+    static const double extremes[] = {0, 1e-38, 65504, 1e6, 1e30, INFINITY, -1, NAN};
+    static const char *const models[][2] = {
+        {"gamma", "0"}, {"gamma", "1000"}, {"refraction", "snell"}, {"k", "0"}, {"attenuation", "single"}};
+    const water w = begin(state);
+    for (int i = 0; i < W * H; i++) w.thickness->data[i] = extremes[i % (int)SSFR_COUNT(extremes)];
+    for (size_t m = 0; m < SSFR_COUNT(models); m++) {
+        test_twin_set(w.t, models[m][0], "%s", models[m][1]);
+        const ssfr_field *color = run(&w);
+        for (int i = 0; i < 3 * W * H; i++) assert_true(isfinite(color->data[i]));
+    }
+}
+
 static void without_fluid_the_scene_shows(void **state)
 {
     static const double behind[1][3] = {{0, 0, 5}};
@@ -551,6 +566,7 @@ int main(void)
         TEST_TWINS(solids_of_all_shapes_are_reflected),
         TEST_TWINS(the_map_of_the_environment_is_reflected),
         TEST_TWINS(pixels_without_surface_are_untouched),
+        TEST_TWINS(pictures_are_finite_whatever_the_thickness_is),
         TEST_TWINS(without_fluid_the_scene_shows),
         TEST_TWINS(composite_refuses_values_out_of_range),
     };

@@ -181,6 +181,7 @@ static const extreme params[] = {
     PARAMS("thickness.radius_scale=100", "thickness.splat=exact"),
     PARAMS("sphere_depth.splat=point", "sphere_depth.max_point_px=1"),
     PARAMS("thickness.scale=0"),
+    PARAMS("thickness.storage=half", "thickness.splat=exact"),
     PARAMS("noise_normals.height=0.3", "surface_noise.frequency=0"),
     PARAMS("noise_normals.height=0.3", "surface_noise.sharpness=64"),
     PARAMS("noise_normals.height=0.3", "surface_noise.depth_falloff=1e6"),

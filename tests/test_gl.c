@@ -256,6 +256,36 @@ static void images_round_doubles_to_float(void **state)
     ssfr_field_destroy(&got);
 }
 
+/* Drivers may round what is written as they like; halves they keep. */
+static void images_of_halves_hold_halves(void **state)
+{
+    (void)state;
+    begin();
+    static const double special[] = {INFINITY, -INFINITY, NAN, 65504, 0x1p-24, -0.0};
+    for (int c = 1; c <= 4; c++) {
+        ssfr_texture image;
+        ssfr_field *written = field(37, 41, c);
+        uint64_t seed = 2385;
+        for (int i = 0; i < 37 * 41 * c; i++)
+            written->data[i] = i % 7 == 3 ? special[i / 7 % 6] : ssfr_half_round(test_random(&seed, -9, 9));
+        assert_int_equal(ssfr_texture_create(gl, &image, 37, 41, c, SSFR_STORE_HALF), SSFR_OK);
+        assert_int_equal(ssfr_texture_write(&image, written), SSFR_OK);
+        ssfr_field *got = read_back(&image);
+        assert_same_field(written, got);
+        ssfr_field_destroy(&got);
+        ssfr_field_fill(written, 0.1);
+        assert_int_equal(ssfr_texture_write(&image, written), SSFR_OK);
+        got = read_back(&image);
+        for (int i = 0; i < 37 * 41 * c; i++) {
+            assert_close(got->data[i], 0.1, 0, 0x1p-10);
+            assert_true(got->data[i] == ssfr_half_round(got->data[i]));
+        }
+        ssfr_field_destroy(&got);
+        ssfr_field_destroy(&written);
+        ssfr_texture_finish(&image);
+    }
+}
+
 static void images_of_wrong_size_are_refused(void **state)
 {
     (void)state;
@@ -788,6 +818,7 @@ int main(void)
         DRAWS(errors_of_gl_become_the_result_of_end),
         DRAWS(images_come_back_as_written),
         DRAWS(images_round_doubles_to_float),
+        DRAWS(images_of_halves_hold_halves),
         DRAWS(images_of_wrong_size_are_refused),
         DRAWS(fields_of_another_size_are_not_written),
         DRAWS(running_out_of_memory_is_one_error_and_no_harm),

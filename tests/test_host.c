@@ -3,6 +3,8 @@
 #include "tests/frames.h"
 #include "tests/meshes.h"
 
+#include "graph/graph.h"
+
 #include <float.h>
 
 enum { W = 96, H = 64 };
@@ -238,6 +240,31 @@ static void foam_switched_on_and_off_ends_in_the_hosts_texture(void **state)
         for (size_t k = 0; k < SSFR_COUNT(all); k++) ssfr_field_destroy(&(ssfr_field *){all[k]});
     }
     ssfr_graph_destroy(&own);
+    tear_down(&r);
+}
+
+/* Sums of halves are not made in the host's image of floats, but copied into it. */
+static void halves_arrive_in_the_hosts_texture_as_they_are(void **state)
+{
+    (void)state;
+    rig r;
+    set_up(&r);
+    const GLuint target = make_texture(GL_R32F, W, H);
+    ssfr_graph *graph = NULL;
+    assert_int_equal(ssfr_graph_create_for_pass(&graph, ssfr_pass_find("thickness"), r.gl), SSFR_OK);
+    test_graph_set(graph, (const char *[]){"thickness.storage=half", NULL});
+    ssfr_field *expected = test_graph_picture(graph, &r.s.scene, "thickness", false);
+    assert_int_equal(ssfr_graph_export_texture(graph, target), SSFR_OK);
+    for (int half = 0; half < 2; half++) {
+        test_graph_set(graph, (const char *[]){half ? "thickness.storage=half" : "thickness.storage=float", NULL});
+        ssfr_field *read = test_graph_picture(graph, &r.s.scene, "thickness", false), *seen = look_at(target, W, H, 1);
+        assert_int_equal(test_n_different(seen, read), 0);
+        assert_true((test_n_different(read, expected) == 0) == half);
+        ssfr_field_destroy(&read);
+        ssfr_field_destroy(&seen);
+    }
+    ssfr_field_destroy(&expected);
+    ssfr_graph_destroy(&graph);
     tear_down(&r);
 }
 
@@ -619,6 +646,7 @@ int main(void)
         cmocka_unit_test(the_picture_is_that_of_a_context_of_our_own),
         cmocka_unit_test(the_picture_is_drawn_into_the_hosts_texture),
         cmocka_unit_test(foam_switched_on_and_off_ends_in_the_hosts_texture),
+        cmocka_unit_test(halves_arrive_in_the_hosts_texture_as_they_are),
         cmocka_unit_test(the_hosts_texture_is_filled_when_no_pass_draws_into_it),
         cmocka_unit_test(targets_that_do_not_fit_are_refused),
         cmocka_unit_test(a_texture_replaced_is_not_touched_again),

@@ -114,6 +114,10 @@ static const char *const variants[][5] = {
     {"downsample.off=1", "noise_foam.strength=0.5", "noise_foam.blend=over", NULL},
     {"curvature_flow.off=1", NULL},
     {"thickness.off=1", "noise_normals.off=1", NULL},
+    {"thickness.storage=half", NULL},
+    {"layer_thickness.splat=exact", "layer_thickness.layers=fragment", "layer_thickness.storage=half", NULL},
+    {"layer_thickness.radius_scale=3", "layer_thickness.kernel=exponential", "layer_thickness.occlusion=clipped", NULL},
+    {"layer_thickness.splat=quad", "layer_thickness.as_printed=B14,B36", "layer_composite.as_printed=B11", NULL},
 };
 
 /* Pipelines that lack a parameter run without it; whether there are all. */

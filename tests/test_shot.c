@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_shot.c: a sweep's columns of errors, of images whose differences are known. */
 #include "experiments/shot.h"
-#include "tests/util.h"
+#include "tests/frames.h"
 
 enum { W = 12, H = 9 };
 
@@ -143,6 +143,44 @@ static void what_is_not_finite_is_counted_in_all_images(void **state)
     ssfr_shot_finish(&shot);
 }
 
+static ssfr_field *thickness_of(ssfr_graph *graph, const ssfr_scene *scene)
+{
+    ssfr_shot shot = {0};
+    const ssfr_pipeline *pipeline = ssfr_pipeline_find("bagar2010");
+    assert_int_equal(ssfr_shot_want(graph, pipeline), SSFR_OK);
+    assert_int_equal(ssfr_graph_run(graph, scene, NULL), SSFR_OK);
+    assert_int_equal(ssfr_shot_take(&shot, graph, pipeline, W, H), SSFR_OK);
+    ssfr_field *thickness = shot.parts[SSFR_SHOT_THICKNESS];
+    shot.parts[SSFR_SHOT_THICKNESS] = NULL;
+    ssfr_shot_finish(&shot);
+    assert_non_null(thickness);
+    return thickness;
+}
+
+/* Layers are one pixel, or images: the shot has the sum. */
+static void the_thickness_of_layers_is_their_sum(void **state)
+{
+    (void)state;
+    test_scene s;
+    test_scene_create_usual(&s, W, H);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("bagar2010"), NULL);
+    ssfr_field *alone = thickness_of(graph, &s.scene), *back = test_graph_read(graph, "thickness_back");
+    ssfr_field *given = test_image(W, H, 1, 0.125);
+    assert_int_equal(test_n_different(alone, back), 0);
+    assert_int_equal(ssfr_graph_import(graph, "thickness_front", given), SSFR_OK);
+    ssfr_field *both = thickness_of(graph, &s.scene);
+    double most = 0;
+    for (int i = 0; i < W * H; i++) {
+        assert_true(both->data[i] == back->data[i] + 0.125);
+        most = fmax(most, back->data[i]);
+    }
+    assert_true(most > 0.1);
+    ssfr_field *const all[] = {alone, back, given, both};
+    for (size_t i = 0; i < SSFR_COUNT(all); i++) ssfr_field_destroy(&(ssfr_field *){all[i]});
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -151,6 +189,7 @@ int main(void)
         cmocka_unit_test(thickness_is_compared_where_either_is_fluid),
         cmocka_unit_test(what_is_missing_leaves_its_columns),
         cmocka_unit_test(what_is_not_finite_is_counted_in_all_images),
+        cmocka_unit_test(the_thickness_of_layers_is_their_sum),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }
