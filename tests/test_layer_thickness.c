@@ -6,6 +6,13 @@
 
 enum { W = 61, H = 48 };
 
+static double sum_of(const ssfr_field *field)
+{
+    double sum = 0;
+    for (int i = 0; i < field->w * field->h; i++) sum += field->data[i];
+    return sum;
+}
+
 typedef struct layers {
     const ssfr_field *back, *front;
 } layers;
@@ -201,8 +208,7 @@ static void a_centre_outside_the_image_takes_the_nearest_pixel(void **state)
         for (int k = 0; k < 2; k++) {
             test_twin_give(t, "foam_depth", k ? inside : frame);
             const layers l = run(t);
-            double back = 0, front = 0;
-            for (int j = 0; j < W * H; j++) back += l.back->data[j], front += l.front->data[j];
+            const double back = sum_of(l.back), front = sum_of(l.front);
             assert_true((k ? front : back) > 0.1 && (k ? back : front) == 0);
         }
     }
@@ -223,6 +229,23 @@ static void a_sphere_around_the_eye_is_before_all_foam(void **state)
         assert_true(test_same_bits(with.front, without.back));
         for (int k = 0; k < W * H; k++)
             assert_true(with.back->data[k] == 0 && without.front->data[k] == 0 && with.front->data[k] > 0.5);
+    }
+}
+
+/* Where its centre is seen cannot be told, but which side it is on: the upper right corner decides. */
+static void a_centre_at_or_behind_the_eye_is_seen_as_if_before_it(void **state)
+{
+    static const double centres[][3] = {{0.1, 0.05, 0.2}, {0.1, 0.05, 0}};
+    test_twin *t = begin(state);
+    test_twin_set(t, "splat", "exact");
+    for (size_t i = 0; i < 2 * SSFR_COUNT(centres); i++) {
+        ssfr_field *foam = test_field_filled(W, H, 1, i % 2 ? -0.5 : -SSFR_EMPTY);
+        *ssfr_field_at(foam, W - 1, 0) = i % 2 ? -SSFR_EMPTY : -0.5;
+        place_one(t, centres[i / 2], 1);
+        test_twin_give(t, "foam_depth", foam);
+        const layers l = run(t);
+        for (int k = 0; k < W * H; k++) assert_true((i % 2 ? l.front : l.back)->data[k] == 0);
+        assert_true(sum_of(i % 2 ? l.back : l.front) > 1000);
     }
 }
 
@@ -250,13 +273,6 @@ static ssfr_field *torn_foam(const test_twin *t)
         foam->data[i] = x / 7 % 3 == 1 && y / 5 % 2 == 0 ? (x % 2 ? NAN : -SSFR_EMPTY) : z;
     }
     return foam;
-}
-
-static double sum_of(const ssfr_field *field)
-{
-    double sum = 0;
-    for (int i = 0; i < field->w * field->h; i++) sum += field->data[i];
-    return sum;
 }
 
 static void the_layers_add_up_to_the_whole_thickness(void **state)
@@ -597,6 +613,7 @@ int main(void)
         TEST_TWINS(the_pixel_at_the_centre_decides_for_the_whole_splat),
         TEST_TWINS(a_centre_outside_the_image_takes_the_nearest_pixel),
         TEST_TWINS(a_sphere_around_the_eye_is_before_all_foam),
+        TEST_TWINS(a_centre_at_or_behind_the_eye_is_seen_as_if_before_it),
         TEST_TWINS(the_layers_add_up_to_the_whole_thickness),
         TEST_TWINS(clipped_layers_end_at_the_scene),
         TEST_TWINS(where_there_is_no_foam_all_is_back),
