@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 // splat.vert: a particle as a POINT, as a QUAD around its disc, or as a quad around its EXACT perspective outline;
-// under SIZES each particle's radius is multiplied by a size of its own, and 0 draws nothing; under SPARE_FOAM what is foam
-// at all is not drawn; under CENTRE the foam is looked up where the particle's centre is seen.
+// under SIZES each particle's radius is multiplied by a size of its own, and 0 draws nothing; under SPARE_FOAM what is
+// foam at all is not drawn; under CENTRE the foam is looked up where the particle's centre is seen.
 #include "common.glsl"
 #include "particles.glsl"
 

@@ -69,9 +69,9 @@ typedef struct test_hit {
 } test_hit;
 test_hit test_meet(const double centre[3], double radius, test_ray ray);
 
-/* What rounding may change in the chord of a ray that passes the centre at `miss`, m. It moves the ray's nearest point to
- * the centre by a few units of the distance, and the chord sqrt(R^2 - d^2) by R / sqrt(R^2 - d^2) times that; at the rim
- * itself, where the chord is steep, by the root of it. */
+/* What rounding may change in the chord of a ray that passes the centre at `miss`, m. It moves the ray's nearest point
+ * to the centre by a few units of the distance, and the chord sqrt(R^2 - d^2) by R / sqrt(R^2 - d^2) times that; at the
+ * rim itself, where the chord is steep, by the root of it. */
 double test_chord_rounding(double eps, const double centre[3], double radius, double miss);
 
 /* Pixels that are surfaces. */

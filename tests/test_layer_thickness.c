@@ -145,7 +145,7 @@ static void a_centre_is_before_foam_that_is_as_far(void **state)
     }
 }
 
-/* Foam as the sphere's own front and back: exactly at the surface nothing is before the one, and all before the other. */
+/* Foam as the sphere's own front and back: nothing is before the one, and all before the other. */
 static void foam_at_the_surface_leaves_nothing_before_it(void **state)
 {
     test_twin *t = begin(state);
@@ -194,7 +194,8 @@ static void the_pixel_at_the_centre_decides_for_the_whole_splat(void **state)
 /* Only columns 0 and W - 1, rows 0 and H - 1 have foam before the spheres. */
 static void a_centre_outside_the_image_takes_the_nearest_pixel(void **state)
 {
-    static const double outside[][3] = {{-2.2, 0, -3}, {2.3, 0.2, -3}, {0.3, 1.8, -3}, {-0.2, -1.9, -3}, {2.1, 1.7, -3}};
+    static const double outside[][3] = {
+        {-2.2, 0, -3}, {2.3, 0.2, -3}, {0.3, 1.8, -3}, {-0.2, -1.9, -3}, {2.1, 1.7, -3}};
     test_twin *t = begin(state);
     ssfr_field *frame = test_field_filled(W, H, 1, -4), *inside = test_field_filled(W, H, 1, -1);
     for (int i = 0; i < W * H; i++) {
@@ -249,7 +250,7 @@ static void a_centre_at_or_behind_the_eye_is_seen_as_if_before_it(void **state)
     }
 }
 
-/* ---- many ---------------------------------------------------------------------------------------------------------- */
+/* ---- many -------------------------------------------------------------------------------------------------------- */
 
 enum { MANY = 60 };
 

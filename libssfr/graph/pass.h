@@ -137,9 +137,9 @@ struct ssfr_pass {
     const char *needless;
     /* By what its outputs' resolution divisor exceeds its input's. NULL: 1. */
     int (*shrink)(const void *params);
-    /* How many of the outputs, the first ones, the frame needs, from 1: the others would be neutral everywhere, and are not
-     * made. By facts, parameters and is_neutral. NULL: all. Made all the same, they must be neutral, and the rest change
-     * no bit. */
+    /* How many of the outputs, the first ones, the frame needs, from 1: the others would be neutral everywhere, and are
+     * not made. By facts, parameters and is_neutral. NULL: all. Made all the same, they must be neutral, and the rest
+     * change no bit. */
     int (*n_needed)(const ssfr_run *run);
     /* What the GPU stores the outputs and scratch in: as halves it rounds what it writes, and every sum of blending.
      * cpu_run rounds as often, by ssfr_half_round. NULL: floats. */

@@ -239,7 +239,8 @@ static ssfr_result ensure_images(ssfr_graph *graph, node *n)
     for (int k = 0; k < n->run.n_out; k++) SSFR_TRY(ensure_output(graph, n, k));
     for (int k = 0; k < n->pass->n_scratch; k++)
         SSFR_TRY(ssfr_image_ensure(graph, &n->scratch[k], n->run.w, n->run.h,
-                                   ssfr_slots[graph->resources[n->out[0]].slot].channels, ssfr_node_storage(n)));
+                                   ssfr_slots[graph->resources[n->out[0]].slot].channels,
+                                   ssfr_node_storage(n)));
 end:
     return result;
 }
@@ -473,8 +474,9 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
         report->bytes += channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * px *
                          ssfr_square((double)n->run.divisor / r->divisor);
     }
+    const double bytes = channel_bytes(ssfr_node_storage(n));
     for (int k = 0; k < n->run.n_out; k++)
-        report->bytes += channel_bytes(ssfr_node_storage(n)) * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
+        report->bytes += bytes * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
     if (n->pass->work) n->pass->work(&n->run, report);
     if (report->tiles == 0) report->tiles = report->iterations * drawn_tiles(graph, n);
 }

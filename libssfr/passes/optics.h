@@ -45,8 +45,9 @@ extern const char *const ssfr_optics_reflections[], *const ssfr_optics_attenuati
 /* The lines before shaders/optics.glsl: no solids where none is reflected. */
 bool ssfr_optics_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES]);
 
-/* m, more than any water: thicker is as thick, as sums of halves may be infinite. The same number bounds T_ff / delta_foam
- * where that is not held to 1. Its products are finite in float, so that nothing is 0 times infinity. */
+/* m, more than any water: thicker is as thick, for sums of halves may be infinite. The same number bounds
+ * T_ff / delta_foam where that is not held to 1. Its products are finite in float, so that nothing is 0 times
+ * infinity. */
 #define SSFR_THICKEST 1e6
 
 /* A pixel's value, from 0 to the most; what is not a number is 0. */
