@@ -239,8 +239,7 @@ static ssfr_result ensure_images(ssfr_graph *graph, node *n)
     for (int k = 0; k < n->run.n_out; k++) SSFR_TRY(ensure_output(graph, n, k));
     for (int k = 0; k < n->pass->n_scratch; k++)
         SSFR_TRY(ssfr_image_ensure(graph, &n->scratch[k], n->run.w, n->run.h,
-                                   ssfr_slots[graph->resources[n->out[0]].slot].channels,
-                                   ssfr_node_storage(n)));
+                                   ssfr_slots[graph->resources[n->out[0]].slot].channels, ssfr_node_storage(n)));
 end:
     return result;
 }

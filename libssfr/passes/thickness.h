@@ -39,8 +39,8 @@ extern const char *const ssfr_thickness_kernels[], *const ssfr_thickness_occlusi
     {"u_clipped", offsetof(ssfr_thickness_coeffs, clipped), 0}
 
 #define SSFR_THICKNESS_TOLERANCE {.abs = 2e-4, .rel = 1e-4, .outliers = 0.02}
-/* GL does not say how a half is rounded. The twin takes the nearest, llvmpipe cuts off: they part by up to a step for each
- * particle, 2^-10 of the sum. Meant for 16 of them behind one another. */
+/* GL does not say how a half is rounded. The twin takes the nearest, llvmpipe cuts off: they part by up to a step for
+ * each particle, 2^-10 of the sum. Meant for 16 of them behind one another. */
 #define SSFR_THICKNESS_HALF_TOLERANCE {.abs = 2e-4, .rel = 16 * 0x1p-10, .outliers = 0.02}
 
 void ssfr_thickness_derive(const ssfr_run *run, void *coeffs);

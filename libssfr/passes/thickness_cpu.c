@@ -6,8 +6,8 @@ double ssfr_thickness_of(const ssfr_run *run, ssfr_fragment *f)
 {
     const ssfr_thickness_coeffs *c = run->coeffs;
     const double scene = *ssfr_field_fetch(run->in[0], f->x, f->y), back = f->back;
-    double t = f->chord * c->scale;
     if (f->front < scene) return 0;
+    double t = f->chord * c->scale;
     if (c->exponential) t *= exp(-2 * f->r2);
     if (c->clipped) {
         f->back = fmax(back, scene);
