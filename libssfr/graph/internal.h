@@ -85,9 +85,10 @@ typedef struct node {
     /* of a particle node */
     bool read;               /* somebody may want what it writes */
     played played;
+    bool kept;               /* it ran for this frame before */
     ssfr_node_status status; /* in the frame being run */
     const char *why;
-    double ms;
+    double ms;               /* when it ran last */
 } node;
 
 typedef struct host_buffer { /* positions in the host's memory */
@@ -139,7 +140,7 @@ SSFR_MUST ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all);
 
 /* Before the plan: runs the particle nodes that somebody may read, and gives all nodes their values. The frame must
  * stand, for its particles. */
-SSFR_MUST ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all, bool timing);
+SSFR_MUST ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all);
 /* Counts the particles in view that have a value, once the frame's facts are final. */
 void ssfr_values_count(ssfr_graph *graph);
 /* What a resource of values that no node writes holds in the frames that follow, of each of their particles in the

@@ -154,6 +154,8 @@ struct ssfr_pass {
     ssfr_result (*particles_run)(const ssfr_run *run);
     size_t state_size;
     void (*state_finish)(void *state);
+    /* How far back frames matter to it, s, but for one more. With state_size. */
+    double (*history)(const void *params);
 
     ssfr_program_row programs[SSFR_MAX_PROGRAMS + 1];
     /* Lines after #version in the place of the row's, by what the frame needs of program i; false: it does not run in

@@ -546,7 +546,7 @@ static ssfr_result prepare(ssfr_graph *graph, const ssfr_scene *scene, const ssf
     ssfr_result result = SSFR_OK;
     const double reach = ssfr_graph_reach(graph, false);
     SSFR_TRY(prepare_frame(graph, scene, reach, options->keep_all));
-    SSFR_TRY(ssfr_values_run(graph, options->keep_all, options->timing));
+    SSFR_TRY(ssfr_values_run(graph, options->keep_all));
     const double wide = ssfr_graph_reach(graph, true);
     if (wide > reach) SSFR_TRY(prepare_frame(graph, scene, wide, options->keep_all));
     ssfr_values_count(graph);
@@ -616,6 +616,7 @@ static void report_values(ssfr_graph *graph, bool timing)
         ssfr_node_report *report = &graph->reports[i];
         if (!n->pass->particles_run || report->status != SSFR_RAN) continue;
         if (timing) report->ms = n->ms;
+        report->kept = n->kept;
         report->iterations = 1;
         for (int k = 0; k < n->n_in; k++) report->bytes += values_bytes(&graph->resources[n->in[k]].values);
         for (int k = 0; k < n->n_out; k++) report->bytes += values_bytes(&graph->resources[n->out[k]].values);

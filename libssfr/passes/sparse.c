@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* sparse.c: particles of thin fluid shrink, and below a density they are spray and no water. */
+/* sparse.c: particles shrink where the fluid is thin and where they turn to foam; below a density they are spray. */
 #include "passes/sparse.h"
 
 static const ssfr_param rows[] = {
@@ -9,25 +9,28 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_REAL(ssfr_sparse_params, point_shrink, "1", 0.5, 0, 1,
                     "size of a water particle at the threshold; 1: none shrinks (listing A.15)"),
     SSFR_PARAM_FLAG(ssfr_sparse_params, by_foam, 1,
-                    "water particles shrink as they turn to foam (the text; listings A.8 and A.14 do not, errata B23)"),
+                    "a particle that turns to foam shrinks as water and grows as foam, and then is water no more (the text); "
+                    "off: all are drawn as water, and whoever is foam at all as foam (listings A.8 and A.10, errata B22, B23)"),
     SSFR_PARAM_END,
 };
 
 static bool needed(const ssfr_run *run)
 {
     const ssfr_sparse_params *p = run->params;
-    return p->density_threshold > 0 || (p->by_foam && !run->values[1]->same);
+    return p->density_threshold > 0 || !run->values[1]->same;
 }
 
 const ssfr_pass ssfr_sparse = {
     .name = "sparse",
-    .source = "Bagar 2010, secs 3.2.1, 4.6.1 and 4.9.5, listing A.8",
-    .help = "draws particles of thin fluid smaller, and those below a density as spray",
+    .source = "Bagar 2010, secs 3.2.1, 4.6.1 and 4.9.5, listings A.8 and A.10",
+    .help = "says how large particles are as water, foam and spray: by how thin the fluid is, and how much of it is foam",
     .inputs = {{"density", SSFR_SLOT_density}, {"foam", SSFR_SLOT_foam}},
-    .outputs = {{"water_size", SSFR_SLOT_water_size}, {"spray_size", SSFR_SLOT_spray_size}},
+    .outputs = {{"water_size", SSFR_SLOT_water_size},
+                {"foam_size", SSFR_SLOT_foam_size},
+                {"spray_size", SSFR_SLOT_spray_size}},
     .params = rows,
     .params_size = sizeof(ssfr_sparse_params),
     .needed = needed,
-    .needless = "the density threshold is 0, and no foam shrinks the water",
+    .needless = "the density threshold is 0, and there is no foam",
     .particles_run = ssfr_sparse_run,
 };
