@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rig.c: one run of a sweep: set, measure, compare with the twin and with the reference. */
 #include "experiments/rig.h"
+#include "experiments/play.h"
 #include "experiments/setup.h"
 #include "experiments/shot.h"
 
@@ -342,6 +343,7 @@ static ssfr_result ensure_reference(ssfr_rig *rig, const size_t index[SSFR_MAX_A
     if (rig->o->spec->compared_with == SSFR_REFERENCE_TRUTH) {
         SSFR_TRY(cast_truth(rig, index));
     } else {
+        SSFR_TRY(ssfr_play(rig->reference, rig->stage, &rig->o->stage, -1));
         SSFR_TRY(ssfr_graph_run(rig->reference, &rig->stage->scene, NULL));
         SSFR_TRY(take(rig, &c->shot, rig->reference));
     }
@@ -358,6 +360,7 @@ static ssfr_result ensure_frame(ssfr_rig *rig, cached *c, ssfr_graph *graph, con
     if (holds(c, rig, index) && (c->measured || !measured)) return SSFR_OK;
     forget(c);
     SSFR_TRY(set_parameters(rig, graph, index));
+    SSFR_TRY(ssfr_play(graph, rig->stage, &rig->o->stage, -1));
     if (measured)
         SSFR_TRY(ssfr_measure_graph(&c->measured, graph, &rig->stage->scene, &rig->o->measure));
     else

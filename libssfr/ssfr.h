@@ -255,7 +255,7 @@ typedef struct ssfr_weber_params {
     double fade_in_min, fade_in_max;           /* s, a particle takes a random time between these to turn to foam */
     double lifetime;                           /* s, and this to turn back, */
     double lifetime_share_min, lifetime_share_max; /* times a random number between these */
-    int lag;  /* frames that foam is late, 0 or 1: then a step tells what the last one found, and that the new are water */
+    int lag;  /* frames that foam is late, 0 or 1: a step tells what the last one found, and that who is new is water */
     int seed; /* of the random numbers, from 0 */
 } ssfr_weber_params;
 
@@ -271,7 +271,7 @@ SSFR_API void ssfr_weber_destroy(ssfr_weber **weber);
 
 /* Advances to the next frame, dt (s, from 0) after the last; the first call's dt has no meaning. Fills foam[n], in
  * [0, 1], lifetime[n] (s, since the particle last began to turn to foam; 0 for water) and phase[n] (ssfr_phase); each
- * may be NULL. Particles that were not in the last frame are new. Whose foam the first frame implies has been foam for a
+ * may be NULL. Particles that were not in the last frame are new. What the first frame implies to be foam is so since a
  * random time. Needs velocity and density, and from the second frame on id (a frame without ids is the last). As in the
  * listings a particle takes one turn a call, and fades that began go on to their end. A call that fails changes no
  * state. */
@@ -502,7 +502,7 @@ typedef struct ssfr_node_report {
     const char *stage;   /* of the frame, as the paper divides it; "" for none */
     ssfr_node_status status;
     const char *why;     /* one line; "" when it ran */
-    bool kept;           /* of a node of particle values: it ran before, for the same particles, and not in this frame */
+    bool kept;           /* particle values: computed in an earlier run, which took `ms`, for the same particles and time */
     double ms;           /* GPU time by timestamps, or the wall time of what runs on the CPU; NaN without timing */
     double bytes;        /* fewest bytes the pass must move */
     double taps;         /* image samples or particles a written pixel */

@@ -30,17 +30,19 @@ static ssfr_particles *make(int frame, bool with_ids)
  * of particles between water and foam. */
 static size_t assert_foam(test_twin *t, ssfr_particles *p, double time, ssfr_weber *weber, double dt)
 {
-    static float expected[N];
-    const float *foam;
+    static float expected[N], since[N];
+    const float *foam, *lifetime;
     size_t n, n_foam = 0, n_between = 0;
     t->scene.particles = p;
     t->scene.timed = !isnan(time);
     t->scene.time = t->scene.timed ? time : 0;
     assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
     assert_int_equal(ssfr_graph_read_values(t->graph, "foam", &n, &foam), SSFR_OK);
-    assert_int_equal(ssfr_weber_step(weber, p, dt, expected, NULL), SSFR_OK);
+    assert_int_equal(ssfr_graph_read_values(t->graph, "lifetime", &n, &lifetime), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(weber, p, dt, expected, since, NULL), SSFR_OK);
     assert_int_equal(n, N);
     assert_memory_equal(foam, expected, sizeof expected);
+    assert_memory_equal(lifetime, since, sizeof since);
     for (size_t i = 0; i < n; i++) n_foam += foam[i] > 0, n_between += foam[i] > 0 && foam[i] < 1;
     assert_true(n_foam > N / 10 && n_foam < N);
     return n_between;
@@ -51,7 +53,7 @@ static ssfr_weber *fresh(double lifetime)
     ssfr_weber_params params = ssfr_weber_defaults();
     ssfr_weber *weber;
     params.lifetime = lifetime;
-    assert_int_equal(ssfr_weber_create(&weber, &params, 0), SSFR_OK);
+    assert_int_equal(ssfr_weber_create(&weber, &params), SSFR_OK);
     return weber;
 }
 
@@ -121,7 +123,7 @@ static void frames_that_are_played_count(void **state)
         t->scene.particles = p[i];
         t->scene.time = 0.2 * i;
         assert_int_equal(ssfr_graph_advance(t->graph, &t->scene), SSFR_OK);
-        assert_int_equal(ssfr_weber_step(weber, p[i], 0.2, foam, NULL), SSFR_OK);
+        assert_int_equal(ssfr_weber_step(weber, p[i], 0.2, foam, NULL, NULL), SSFR_OK);
     }
     assert_foam(t, p[2], 0.5, weber, 0.5 - 0.2);
     for (int i = 0; i < 3; i++) ssfr_particles_destroy(&p[i]);
@@ -147,6 +149,8 @@ static void without_velocity_or_density_there_is_no_foam(void **state)
             assert_int_equal(ssfr_graph_read_values(t->graph, "foam", &n, &foam), SSFR_OK);
             assert_int_equal(n, 1);
             assert_true(*foam == 0);
+            assert_int_equal(ssfr_graph_read_values(t->graph, "lifetime", &n, &foam), SSFR_OK);
+            assert_true(n == 1 && *foam == 0);
         }
         ssfr_particles_destroy(&p);
     }
@@ -163,6 +167,8 @@ static void bad_particles_and_parameters_are_refused(void **state)
     t->scene.particles = twice;
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(t->graph, &t->scene, NULL), "both have the id");
     test_twin_refuses(t, "threshold", "-1", "threshold=-1");
+    test_twin_refuses(t, "lag", "2", "lag=2: out of range [0, 1] frames");
+    test_twin_refuses(t, "seed", "-1", "seed=-1: out of range [0, ");
     ssfr_particles_destroy(&p), ssfr_particles_destroy(&twice);
 }
 

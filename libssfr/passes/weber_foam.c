@@ -8,7 +8,7 @@ static bool needed(const ssfr_run *run)
     return !run->values[0]->same && !run->values[1]->same;
 }
 
-/* Who is water or foam, and since when, is told apart by what came before; what came before the longest fades is past. */
+/* Once the longest fades are over it no longer matters what they began from. */
 static double history(const void *params)
 {
     const ssfr_weber_params *p = params;
