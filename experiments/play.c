@@ -33,8 +33,8 @@ ssfr_result ssfr_play_check(const ssfr_stage_options *options)
     return parse(options->play, &n);
 }
 
-/* The first frame to be played of those before the one shown: n of them, or those within `history` (s) and one more, for what
- * lags. */
+/* The first frame to be played of those before the one shown: n of them, or those within `history` (s) and one more,
+ * for what lags. */
 static long find_first(const ssfr_stage *stage, long n, double history)
 {
     if (n == BY_HISTORY) n = lround(fmin(ceil(history * stage->description->frame_rate), SSFR_MAX_FRAME - 1)) + 1;
@@ -55,7 +55,8 @@ end:
     return result;
 }
 
-static ssfr_result play_frames(ssfr_graph *graph, const ssfr_stage *stage, const ssfr_stage_options *options, long first)
+static ssfr_result play_frames(ssfr_graph *graph, const ssfr_stage *stage, const ssfr_stage_options *options,
+                               long first)
 {
     ssfr_result result = SSFR_OK;
     const long n = stage->frame - first;

@@ -15,6 +15,7 @@ SSFR_MUST ssfr_result ssfr_play_check(const ssfr_stage_options *options);
 /* Plays what the graph should have seen before it draws the frame that the stage shows: nothing where no node of it
  * keeps anything, where the scene's frames have no time, or where it has run for this frame already. since: the frame
  * of this stage that it drew last, whose history goes on where it is not too long ago; -1: none, it begins anew. */
-SSFR_MUST ssfr_result ssfr_play(ssfr_graph *graph, const ssfr_stage *stage, const ssfr_stage_options *options, long since);
+SSFR_MUST ssfr_result ssfr_play(ssfr_graph *graph, const ssfr_stage *stage, const ssfr_stage_options *options,
+                                long since);
 
 #endif

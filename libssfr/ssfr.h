@@ -502,7 +502,7 @@ typedef struct ssfr_node_report {
     const char *stage;   /* of the frame, as the paper divides it; "" for none */
     ssfr_node_status status;
     const char *why;     /* one line; "" when it ran */
-    bool kept;           /* particle values: computed in an earlier run, which took `ms`, for the same particles and time */
+    bool kept;           /* values of particles: of an earlier run, for the same particles and time; `ms` is its time */
     double ms;           /* GPU time by timestamps, or the wall time of what runs on the CPU; NaN without timing */
     double bytes;        /* fewest bytes the pass must move */
     double taps;         /* image samples or particles a written pixel */

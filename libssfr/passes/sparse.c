@@ -11,8 +11,8 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_REAL(ssfr_sparse_params, point_shrink, "1", 0.5, 0, 1,
                     "size of a water particle at the threshold; 1: none shrinks (listing A.15)"),
     SSFR_PARAM_FLAG(ssfr_sparse_params, by_foam, 1,
-                    "a particle shrinks as water and grows as foam while it turns to foam (the text); off: all are drawn as "
-                    "water, and those with any foam as foam (listings A.8 and A.10; errata B22, B23)"),
+                    "a particle shrinks as water and grows as foam while it turns to foam (the text); off: all are "
+                    "drawn as water, and those with any foam as foam (listings A.8, A.10; errata B22, B23)"),
     SSFR_PARAM_END,
 };
 
@@ -25,7 +25,7 @@ static bool needed(const ssfr_run *run)
 const ssfr_pass ssfr_sparse = {
     .name = "sparse",
     .source = "Bagar 2010, secs 3.2.1, 4.6.1 and 4.9.5, listings A.8 and A.10",
-    .help = "tells how large each particle is as water, foam and spray, from how thin the fluid is and how much is foam",
+    .help = "tells how large each particle is as water, foam and spray, by how thin the fluid is and how much is foam",
     .inputs = {{"density", SSFR_SLOT_density}, {"foam", SSFR_SLOT_foam}},
     .outputs = {{"water_size", SSFR_SLOT_water_size},
                 {"foam_size", SSFR_SLOT_foam_size},
