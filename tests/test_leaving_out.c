@@ -128,7 +128,7 @@ static const char *const variants[][5] = {
     {"downsample.off=1", "noise_foam.strength=0.5", "noise_foam.blend=over", NULL},
     {"weber.threshold=500", "sparse.by_foam=0", NULL},
     {"sparse.density_threshold=0", NULL},
-    {"weber.transition=weber", "weber.off=0", "sparse.density_threshold=700", NULL},
+    {"weber.transition=weber", "sparse.density_threshold=700", NULL},
     {"curvature_flow.off=1", NULL},
     {"thickness.off=1", "noise_normals.off=1", NULL},
     {"thickness.storage=half", NULL},
