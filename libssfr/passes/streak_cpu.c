@@ -98,7 +98,8 @@ static bool meet(const ssfr_run *run, const quad *q, ssfr_fragment *f)
     f->a = ssfr_dot(p, q->along) / q->half[0], f->b = ssfr_dot(p, q->across) / q->half[1];
     f->r2 = f->a * f->a + f->b * f->b;
     if (!(t >= run->frame->near && f->r2 <= 1)) return false;
-    const double rise = q->radius * sqrt(1 - f->r2);
+    const double root = ssfr_root_of(((const ssfr_streak *)run->coeffs)->root, run->tables, 1 - f->r2);
+    const double rise = q->radius * root;
     f->front = -t + rise, f->back = -t - rise;
     f->chord = 2 * rise;
     f->area = q->area;
