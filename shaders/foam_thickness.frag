@@ -10,14 +10,17 @@ layout(std430, binding = 3) readonly buffer Ids { uint ids[]; };
 layout(std430, binding = 6) readonly buffer Lifetimes { float lifetimes[]; }; // s; of a neutral value one entry
 
 uniform sampler2D t_scene_depth;
+#ifdef CENTRE
+flat in vec2 v_seen; // m, eye-space z of the centre and of the foam there
+#else
 uniform sampler2D t_foam_depth;
+#endif
 uniform float u_scale;
 uniform float u_noise_rate; // 1/s
 uniform float u_delta_foam; // m
 uniform int u_exponential;  // kernel: chord e^(-2 r^2), else the chord
 uniform int u_kept;         // a turned quad spreads its foam
 uniform int u_clipped;      // count only what lies before the scene, else all when the front does
-uniform int u_by_fragment;  // the front of the foam is told from at each pixel, else at the particle's centre
 uniform int u_by_id;
 uniform int u_has_ids;
 #ifdef NOISE_TEXTURE
@@ -46,12 +49,14 @@ float noise_at(vec2 at)
 #endif
 }
 
-// The pixel that holds the particle's centre tells the foam's front; beyond the image its edge does.
+// The foam's front is told from the particle's CENTRE, or from its own front at each pixel.
 bool is_in_front(float front)
 {
-    if (u_by_fragment != 0) return front >= fetch(t_foam_depth, ivec2(gl_FragCoord.xy)).x - u_delta_foam;
-    vec2 at = 0.5 * frame.image.xy + vec2(v_centre.x, -v_centre.y) / -v_centre.z / frame.image.zw;
-    return v_centre.z >= fetch(t_foam_depth, ivec2(clamp(at, vec2(0), frame.image.xy))).x - u_delta_foam;
+#ifdef CENTRE
+    return v_seen.x >= v_seen.y - u_delta_foam;
+#else
+    return front >= fetch(t_foam_depth, ivec2(gl_FragCoord.xy)).x - u_delta_foam;
+#endif
 }
 
 void main()

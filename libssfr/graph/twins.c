@@ -84,6 +84,14 @@ static ssfr_result give_input(ssfr_graph *single, const ssfr_graph *source, cons
     return import_rounded(single, at->pass->inputs[k].name, r->image->field);
 }
 
+ssfr_tolerance ssfr_twins_tolerance(const ssfr_pass *pass, const ssfr_run *run)
+{
+    const bool halves = pass->storage && pass->storage(run->params) == SSFR_STORE_HALF;
+    ssfr_tolerance tolerance = halves ? pass->half_tolerance : pass->tolerance;
+    if (pass->widen) pass->widen(run, &tolerance);
+    return tolerance;
+}
+
 /* Runs the pass alone, whatever its `needed` says, and gives its outputs and how far they may part. */
 static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene *scene, const ssfr_graph *source,
                             const node *at, const char *const *settings, ssfr_field **outputs,
@@ -97,8 +105,7 @@ static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene
     ssfr_graph_want_all(single, true);
     SSFR_TRY(ssfr_graph_run(single, scene, &(ssfr_run_options){.keep_all = true}));
     for (int k = 0; k < at->n_out; k++) SSFR_TRY(ssfr_graph_read(single, pass->outputs[k].name, &outputs[k]));
-    *tolerance = ssfr_node_storage(&single->nodes[0]) == SSFR_STORE_HALF ? pass->half_tolerance : pass->tolerance;
-    if (pass->widen) pass->widen(&single->nodes[0].run, tolerance);
+    *tolerance = ssfr_twins_tolerance(pass, &single->nodes[0].run);
 end:
     ssfr_graph_destroy(&single);
     return result;

@@ -40,8 +40,8 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_REAL(foam_thickness_params, noise_rate, "1/s", 0.25, 0, 1e3,
                     "periods of the noise, each of 8 cells, that a pattern runs through in a second of lifetime"),
     SSFR_PARAM_CHOICE(foam_thickness_params, front, fronts, 0,
-                      "a particle is within delta_foam of the front of the foam as its centre is, seen at the nearest pixel "
-                      "of the image (sec. 4.8.2), or as its own front is at each pixel"),
+                      "a particle is within delta_foam of the front of the foam as its centre is, seen at the nearest "
+                      "pixel of the image (sec. 4.8.2), or as its own front is at each pixel"),
     SSFR_PARAM_REAL(foam_thickness_params, delta_foam, "m", 0.08, 0, 1e6,
                     "depth of the front of the foam, that of layer_composite"),
     SSFR_PARAM_REAL(foam_thickness_params, scale, "1", 1, 0, 100, "multiplies the sum"),
@@ -57,7 +57,6 @@ static const ssfr_uniform uniforms[] = {
     COEFF("u_exponential", exponential, 0),
     COEFF("u_kept", kept, 0),
     COEFF("u_clipped", clipped, 0),
-    COEFF("u_by_fragment", by_fragment, 0),
     COEFF("u_by_id", by_id, 0),
     COEFF("u_has_ids", has_ids, 0),
     {NULL, 0, 0},
@@ -75,7 +74,7 @@ static void derive(const ssfr_run *run, void *coeffs)
     c->exponential = p->kernel == 1;
     c->clipped = p->occlusion == 1;
     c->kept = p->mass == 0;
-    c->by_fragment = p->front == 1;
+    c->by_centre = p->front == 0;
     c->noise = p->noise;
     c->by_id = p->pattern == 0;
     c->has_ids = run->frame->particles && run->frame->particles->id;
@@ -85,7 +84,8 @@ static bool defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
 {
     static const char *const lines[] = {"#define NOISE\n", "#define NOISE_TEXTURE\n", ""};
     const foam_thickness_params *p = run->params;
-    snprintf(text, SSFR_DEFINES, "#define PARTICLE\n%s%s", lines[p->noise], ssfr_root_define(p->streak.root));
+    snprintf(text, SSFR_DEFINES, "#define PARTICLE\n%s%s%s", lines[p->noise], ssfr_root_define(p->streak.root),
+             p->front == 0 ? "#define CENTRE\n" : "");
     return i == 0;
 }
 
@@ -117,7 +117,7 @@ const ssfr_pass ssfr_foam_thickness = {
     .needless = "no foam in view",
     .reach = ssfr_streak_reach,
     .cpu_run = ssfr_foam_thickness_cpu,
-    .programs = SSFR_STREAK_PROGRAMS("foam_thickness.frag", "#define PARTICLE\n#define NOISE\n"),
+    .programs = SSFR_STREAK_PROGRAMS("foam_thickness.frag", "#define PARTICLE\n#define NOISE\n#define CENTRE\n"),
     .defines = defines,
     .uniforms = uniforms,
     .gl_run = ssfr_streak_gl_add,

@@ -22,26 +22,13 @@ static double noise_at(const ssfr_run *run, const ssfr_fragment *f)
                                                : ssfr_foam_noise(place, 0);
 }
 
-/* The pixel that holds the particle's centre tells the foam's front; beyond the image its edge does. */
-static bool is_centre_in_front(const ssfr_run *run, size_t particle)
-{
-    const ssfr_block *b = &run->frame->block;
-    double centre[3];
-    int px[2];
-    ssfr_frame_eye(run->frame, particle, centre);
-    for (int k = 0; k < 2; k++) {
-        const double at = 0.5 * b->image[k] + (k ? -centre[1] : centre[0]) / -centre[2] / b->image[2 + k];
-        px[k] = (int)floor(ssfr_clamp(at, 0, b->image[k]));
-    }
-    const double front = *ssfr_field_fetch(run->in[1], px[0], px[1]);
-    return centre[2] >= front - ((const ssfr_foam_thickness_coeffs *)run->coeffs)->delta_foam;
-}
-
+/* The foam's front is told from the particle's centre, or from its own front at each pixel. */
 static bool is_in_front(const ssfr_run *run, const ssfr_fragment *f)
 {
     const ssfr_foam_thickness_coeffs *c = run->coeffs;
-    if (!c->by_fragment) return is_centre_in_front(run, f->particle);
-    return f->front >= *ssfr_field_fetch(run->in[1], f->x, f->y) - c->delta_foam;
+    const ssfr_field *foam = run->in[1];
+    if (c->by_centre) return f->centre[2] >= ssfr_splat_seen(run, foam, f->centre) - c->delta_foam;
+    return f->front >= *ssfr_field_fetch(foam, f->x, f->y) - c->delta_foam;
 }
 
 static void add(const ssfr_run *run, const ssfr_fragment *f, double *pixel)

@@ -98,6 +98,9 @@ typedef struct ssfr_box { /* px; without x1 and y1 */
 } ssfr_box;
 /* The image's pixels in rows y0 to y1 - 1 between lo and hi (px). */
 ssfr_box ssfr_splat_box(const ssfr_run *run, const double lo[2], const double hi[2], int y0, int y1);
+/* An image where a centre (m, eye space) is seen, or at its nearest pixel; a centre before the near plane is seen as if
+ * in it. */
+double ssfr_splat_seen(const ssfr_run *run, const ssfr_field *image, const double centre[3]);
 /* Shades a fragment with what of it is before the near plane. */
 void ssfr_splat_emit(const ssfr_run *run, ssfr_fragment *f, ssfr_splat_shade *shade);
 

@@ -142,3 +142,10 @@ void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade)
 {
     ssfr_splat_each(run, draw_particle, shade);
 }
+
+double ssfr_splat_seen(const ssfr_run *run, const ssfr_field *image, const double c[3])
+{
+    const double *px = run->frame->block.image, away = fmax(-c[2], run->frame->near);
+    const double x = 0.5 * px[0] + c[0] / away / px[2], y = 0.5 * px[1] - c[1] / away / px[3];
+    return *ssfr_field_fetch(image, (int)ssfr_clamp(x, 0, run->w), (int)ssfr_clamp(y, 0, run->h));
+}
