@@ -2,6 +2,7 @@
 /* cmd_bench.c: `ssfr bench`: where the time of a frame goes, pass by pass. */
 #include "experiments/bench_flow.h"
 #include "experiments/bench_integrators.h"
+#include "experiments/bench_kernels.h"
 #include "experiments/bench_solver.h"
 #include "experiments/bench_truth.h"
 #include "experiments/columns.h"
@@ -283,6 +284,7 @@ int ssfr_cmd_bench(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "truth") == 0) return ssfr_bench_truth(argc, argv);
     if (argc > 1 && strcmp(argv[1], "flow") == 0) return ssfr_bench_flow(argc, argv);
     if (argc > 1 && strcmp(argv[1], "integrators") == 0) return ssfr_bench_integrators(argc, argv);
+    if (argc > 1 && strcmp(argv[1], "kernels") == 0) return ssfr_bench_kernels(argc, argv);
     ssfr_result result = SSFR_OK;
     bench_options options = {.scene = "splash"};
     ssfr_setup_options setup_options;
@@ -297,14 +299,15 @@ int ssfr_cmd_bench(int argc, char **argv)
         {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0],
-        .arguments = "[PIPELINE|solver|truth|integrators|flow]",
+        .arguments = "[PIPELINE|solver|truth|integrators|flow|kernels]",
         .max_arguments = 1,
         .sets = sets,
         .help = "Times a pipeline (default vanderlaan2009), pass by pass: medians, work, and how far each "
                 "is from the time that moving its bytes takes. 'ssfr bench solver --help' tells of the simulator's, "
                 "'ssfr bench truth --help' of ray casting's, "
                 "'ssfr bench integrators --help' of integrals along rays, "
-                "'ssfr bench flow --help' of how wide the curvature flows smooth."};
+                "'ssfr bench flow --help' of how wide the curvature flows smooth, "
+                "'ssfr bench kernels --help' of roots and splats."};
     ssfr_setup_defaults(&setup_options);
     ssfr_stage_defaults(&stage_options);
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));

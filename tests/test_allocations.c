@@ -97,10 +97,10 @@ static void other_particles_of_the_same_number_cost_one_upload(void **state)
     test_scene_destroy(&other);
 }
 
-/* Foam and sizes from densities, in the usual scene. */
+/* Foam and sizes from densities, in the usual scene; and a table. */
 static const ssfr_pipeline foamy = {
     .name = "foamy", .source = "test", .help = "test", .result = SSFR_SLOT_fluid_depth,
-    .nodes = {{"weber_foam", .settings = {"threshold=500"}}, {"sparse"}, {"sphere_depth"}},
+    .nodes = {{"weber_foam", .settings = {"threshold=500"}}, {"sparse"}, {"sphere_depth", .settings = {"root=ramp"}}},
 };
 
 static void give_quantities(test_scene *s)

@@ -124,6 +124,7 @@ static const char *const variants[][5] = {
     {"sphere_depth.splat=quad", "thickness.splat=quad", "sphere_depth.size=distance", NULL},
     {"sphere_depth.splat=exact", "thickness.splat=exact", "sphere_depth.radius_scale=1.7", NULL},
     {"thickness.radius_scale=3", "thickness.kernel=exponential", "thickness.occlusion=clipped", NULL},
+    {"sphere_depth.root=ramp", "thickness.root=ramp_printed", NULL},
     {"composite.refraction=snell", "composite.reflection=scene", "composite.reject=0", NULL},
     {"downsample.off=1", "noise_foam.strength=0.5", "noise_foam.blend=over", NULL},
     {"weber.threshold=500", "sparse.by_foam=0", NULL},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* internal.h: the graph's own structures, shared by graph.c (what it is), exchange.c (what it is given and asked for),
- * values.c (values of particles), plan.c (what to leave out) and run.c (doing it).
+ * values.c (values of particles), tables.c (constant tables), plan.c (what to leave out) and run.c (doing it).
  *
  *      nodes    in execution order, each with its pass, parameters and the resources it reads and writes
  *      resource one version of a slot: written by one node, or from outside
@@ -12,7 +12,7 @@
 #include "graph/draw.h"
 #include "graph/graph.h"
 
-enum { SSFR_MAX_NODES = 32, SSFR_MAX_RESOURCES = 96, SSFR_MAX_UNIFORMS = 24 };
+enum { SSFR_MAX_NODES = 32, SSFR_MAX_RESOURCES = 96, SSFR_MAX_UNIFORMS = 24, SSFR_MAX_GRAPH_TABLES = 8 };
 
 typedef struct image {
     int w, h, c;
@@ -41,6 +41,11 @@ typedef struct particle_values { /* of a particle slot */
     size_t cap_buffer;   /* floats */
     uint64_t buffer_key; /* which contents the buffer holds */
 } particle_values;
+
+typedef struct stored_table {
+    ssfr_texels texels; /* on the GPU without data */
+    unsigned texture;
+} stored_table;
 
 typedef struct resource {
     ssfr_slot_id slot;
@@ -119,6 +124,8 @@ struct ssfr_graph {
     unsigned position, ids, offsets, tiles, block, quads, samples;
     unsigned solid_tiles, tiles_by_solids, nodes_of_meshes, triangles;
     ssfr_texture environment;
+    int n_tables;
+    stored_table tables[SSFR_MAX_GRAPH_TABLES];
     unsigned copy;    /* program */
     unsigned sampler; /* for images of the host, whatever their own filters are */
     size_t cap_offsets, cap_tiles, cap_solid_tiles, cap_by_solids; /* entries */
@@ -164,6 +171,11 @@ static inline ssfr_storage ssfr_node_storage(const node *n)
 {
     return n->pass->storage ? n->pass->storage(n->params) : SSFR_STORE_FLOAT;
 }
+
+/* Makes what tables the node reads are not there yet, and gives them to it; the GPU's are bound. */
+SSFR_MUST ssfr_result ssfr_tables_ready(ssfr_graph *graph, node *n);
+double ssfr_tables_bytes(const ssfr_graph *graph);
+void ssfr_tables_finish(ssfr_graph *graph);
 
 /* Makes program i of a node with these lines after #version, or those of its row where they are empty. */
 SSFR_MUST ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const char *defines);

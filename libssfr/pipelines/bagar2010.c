@@ -19,6 +19,7 @@ const ssfr_pipeline ssfr_pipeline_bagar2010 = {
         {"upsample"},
         {"normals"},
         {"layer_thickness"},
+        {"foam_thickness"},
         {"layer_composite"},
         {"spray"},
     },
