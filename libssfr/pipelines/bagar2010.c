@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* bagar2010.c: water smoothed alike at every distance, in layers, and spray; what is foam is taken from the water, but
- * not drawn. */
+/* bagar2010.c: water smoothed alike at every distance, and foam, in layers, and spray. */
 #include "graph/pass.h"
 
 const ssfr_pipeline ssfr_pipeline_bagar2010 = {
     .name = "bagar2010",
-    .source = "Bagar 2010, secs 3.1, 3.2.1, 3.2.3, 4.2, 4.6, 4.7 and 4.9.5",
-    .help = "screen-space fluid rendering with adaptive curvature flow, in layers; the foam is to come",
+    .source = "Bagar 2010, secs 3.1, 3.2, 4.2 and 4.6 to 4.9, without shadows",
+    .help = "screen-space fluid rendering with adaptive curvature flow, foam between two layers of water, and spray",
     .result = SSFR_SLOT_color,
     .nodes = {
         {"weber", "weber_foam"},
