@@ -108,7 +108,7 @@ static bool meet(const ssfr_run *run, const quad *q, ssfr_fragment *f)
 static void draw_streak(const ssfr_run *run, size_t i, int y0, int y1, ssfr_splat_shade *shade)
 {
     quad q;
-    ssfr_fragment f = {.particle = i};
+    ssfr_fragment f = {.particle = i, .centre = q.centre};
     if (!place(run, run->coeffs, i, &q)) return;
     const ssfr_box box = ssfr_splat_box(run, q.lo, q.hi, y0, y1);
     for (f.y = box.y0; f.y < box.y1; f.y++)
