@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* bagar2010.c: water smoothed alike at every distance, in layers, and spray; what is foam is taken from the water, but
- * not drawn. */
+ * not drawn. The compositing reads the smoothed depth; with surface=image upsample and normals are between them. */
 #include "graph/pass.h"
 
 const ssfr_pipeline ssfr_pipeline_bagar2010 = {
@@ -20,7 +20,7 @@ const ssfr_pipeline ssfr_pipeline_bagar2010 = {
         {"normals"},
         {"layer_thickness"},
         {"foam_thickness"},
-        {"layer_composite"},
+        {"layer_composite", .settings = {"surface=split"}},
         {"spray"},
     },
 };
