@@ -77,8 +77,8 @@ static const ssfr_param rows[] = {
                       "where colours of four pixels are interpolated, and elsewhere normals: split: by depth_thresh; "
                       "never: only where a depth lacks; always (split)"),
     REAL(lone_thresh, "m", 0.1, 0, 1e6,
-         "at a border a pixel of the depth whose neighbours are all farther away than this faces the eye; 0: however far "
-         "they are they tell its normal, as in listing A.24 (split)"),
+         "at a border a pixel of the depth whose neighbours are all farther away than this faces the eye; 0: however "
+         "far they are they tell its normal, as in listing A.24 (split)"),
     SSFR_PARAM_FLAG(layer_params, off_axis, 1,
                     "interpolated normals are the surface's own; off: listing A.18, exact on the view axis alone "
                     "(split)"),
