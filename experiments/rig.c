@@ -158,7 +158,7 @@ static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig_options *o, ssfr_g
     ssfr_result result = SSFR_OK;
     ssfr_graph_destroy(out);
     SSFR_TRY(ssfr_graph_create(out, o->pipeline, gl));
-    SSFR_TRY(ssfr_shot_want(*out, o->pipeline));
+    SSFR_TRY(ssfr_shot_want(*out, o->pipeline, true));
     if (scene) SSFR_TRY(ssfr_setup_apply_scene(*out, scene));
     SSFR_TRY(apply(*out, &o->spec->settings));
 end:
@@ -352,6 +352,17 @@ end:
     return result;
 }
 
+/* What is compared but goes into no picture is not to be paid for: the shot's frame is another than those timed. */
+static ssfr_result measure(ssfr_rig *rig, cached *c, ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_shot_want(graph, rig->o->pipeline, false));
+    SSFR_TRY(ssfr_measure_graph(&c->measured, graph, &rig->stage->scene, &rig->o->measure));
+    SSFR_TRY(ssfr_shot_want(graph, rig->o->pipeline, true));
+end:
+    return result;
+}
+
 /* The frame of a run by one of the graphs, measured when asked for. */
 static ssfr_result ensure_frame(ssfr_rig *rig, cached *c, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES],
                                 bool measured)
@@ -361,10 +372,8 @@ static ssfr_result ensure_frame(ssfr_rig *rig, cached *c, ssfr_graph *graph, con
     forget(c);
     SSFR_TRY(set_parameters(rig, graph, index));
     SSFR_TRY(ssfr_play(graph, rig->stage, &rig->o->stage, -1));
-    if (measured)
-        SSFR_TRY(ssfr_measure_graph(&c->measured, graph, &rig->stage->scene, &rig->o->measure));
-    else
-        SSFR_TRY(ssfr_graph_run(graph, &rig->stage->scene, NULL));
+    if (measured) SSFR_TRY(measure(rig, c, graph));
+    SSFR_TRY(ssfr_graph_run(graph, &rig->stage->scene, NULL));
     SSFR_TRY(take(rig, &c->shot, graph));
     hold(c, index);
 end:

@@ -61,10 +61,11 @@ static const char *slot_of(const ssfr_graph *graph, const ssfr_pipeline *pipelin
     return ssfr_frame_has(graph, names[part]) ? names[part] : NULL;
 }
 
-ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline)
+ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline, bool all)
 {
-    ssfr_result result = SSFR_OK;
-    for (int part = 0; part < SSFR_SHOT_PARTS && result == SSFR_OK; part++) {
+    const int n = all ? SSFR_SHOT_PARTS : SSFR_SHOT_COLOUR + 1;
+    ssfr_result result = ssfr_graph_want(graph, NULL);
+    for (int part = 0; part < n && result == SSFR_OK; part++) {
         const char *slot = slot_of(graph, pipeline, (ssfr_shot_part)part);
         if (slot) result = ssfr_frame_want_slot(graph, slot);
     }

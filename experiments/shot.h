@@ -17,8 +17,8 @@ typedef struct ssfr_shot {
     ssfr_field *parts[SSFR_SHOT_PARTS]; /* NULL where the pipeline has no such image, and the truth was not cast */
 } ssfr_shot;
 
-/* Wants depth, normal and thickness beside the result, so that every timed frame makes them. */
-SSFR_MUST ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline);
+/* Wants the result, and with `all` depth, normal and thickness beside it, and nothing else. */
+SSFR_MUST ssfr_result ssfr_shot_want(ssfr_graph *graph, const ssfr_pipeline *pipeline, bool all);
 /* Reads the graph's last frame, w x h px. */
 SSFR_MUST ssfr_result ssfr_shot_take(ssfr_shot *shot, const ssfr_graph *graph, const ssfr_pipeline *pipeline, int w,
                                      int h);

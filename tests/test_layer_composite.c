@@ -503,7 +503,7 @@ static void pictures_are_finite_whatever_the_thicknesses_are(void **state)
     static const double extremes[] = {0, 1e-38, 1e5, 1e30, INFINITY, -1, NAN};
     static const char *const models[][2] = {
         {"fluid_color", "falloff"}, {"foam_blend", "power"}, {"foam_pow_scale", "4"},
-        {"as_printed", "B10,B11,B12,B26,B29"}, {"k", "0"}, {"gamma", "1000"}, {"foam_falloff_scale", "0"}};
+        {"as_printed", "B10,B11,B12,B26,B28,B29"}, {"k", "0"}, {"gamma", "1000"}, {"foam_falloff_scale", "0"}};
     const pond p = begin(state);
     attenuate_by(&p, 1);
     test_twin_set(p.t, "fresnel_scale", "1");
@@ -544,6 +544,66 @@ static void without_fluid_the_scene_shows(void **state)
     assert_true(test_same_bits(color, p.scene));
 }
 
+/* ---- images of fluid without particles --------------------------------------------------------------------------- */
+
+static void a_thickness_that_is_given_is_fluid(void **state)
+{
+    static const struct {
+        int value;
+        const double *medium;
+    } layers[] = {{BACK, fluid}, {FRONT, fluid}, {FOAM, c_fb}, {FOAM_FRONT, NULL}, {LIGHT, NULL}};
+    static const char *const ports[] = {"thickness_back", "thickness_front", "foam_thickness", "foam_front", "light"};
+    for (size_t i = 0; i < SSFR_COUNT(layers); i++) {
+        const pond p = begin(state);
+        ssfr_node_status status;
+        p.t->scene.particles = NULL;
+        test_twin_give(p.t, "scene_color", p.scene);
+        ssfr_field_fill(p.value[layers[i].value], 100);
+        test_twin_give(p.t, ports[layers[i].value], p.value[layers[i].value]);
+        const ssfr_field *color = test_twin_run_if_needed(p.t, "color", &status);
+        assert_int_equal(status, layers[i].medium ? SSFR_RAN : SSFR_NEEDLESS);
+        for (int k = 0; k < 3 * N; k++)
+            assert_close(color->data[k], (layers[i].medium ? layers[i].medium : scene)[k % 3], 16 * p.t->eps, 0);
+    }
+}
+
+/* Also where no particle is: foam of a host over a whole wide image, and a particle in one corner of it. */
+static void foam_that_is_given_is_drawn_everywhere(void **state)
+{
+    enum { WIDE = 96, HIGH = 64 };
+    static const double corner[1][3] = {{-0.7, 0.45, -1}};
+    test_twin *t = test_twin_create_for(state, ssfr_pipeline_find("bagar2010"), WIDE, HIGH);
+    for (int with = 0; with < 2; with++) {
+        if (with) test_twin_place(t, 1, corner, 0.02, NULL);
+        test_twin_give(t, "foam_thickness", test_field_filled(WIDE, HIGH, 1, 100));
+        const ssfr_field *color = test_twin_run(t, "color");
+        for (int i = 0; i < 3 * WIDE * HIGH; i++) assert_close(color->data[i], c_fb[i % 3], 16 * t->eps, 0);
+        ssfr_node_status status;
+        color = test_twin_run_if_needed(t, "color", &status);
+        for (int i = 0; i < 3 * WIDE * HIGH; i++) assert_close(color->data[i], c_fb[i % 3], 16 * t->eps, 0);
+    }
+}
+
+/* A length of water says nothing of how far it is. */
+static void the_nearest_fluid_is_that_of_a_depth(void **state)
+{
+    const pond p = begin(state);
+    p.t->scene.particles = NULL;
+    test_twin_set(p.t, "surface", "split");
+    ssfr_field_fill(p.value[BACK], 5);
+    test_twin_give(p.t, "thickness_back", p.value[BACK]);
+    test_twin_give(p.t, "low", p.depth);
+    assert_int_equal(ssfr_graph_run(p.t->graph, &p.t->scene, NULL), SSFR_OK);
+    assert_true(ssfr_graph_last_run(p.t->graph, 0)->frame->facts.nearest == 3);
+    test_twin_give(p.t, "low", NULL);
+    assert_int_equal(ssfr_graph_run(p.t->graph, &p.t->scene, NULL), SSFR_OK);
+    assert_false(ssfr_graph_last_run(p.t->graph, 0)->frame->facts.fluid);
+    assert_true(ssfr_graph_last_run(p.t->graph, 0)->frame->facts.layers);
+    test_twin_give(p.t, "thickness_back", NULL);
+    assert_int_equal(ssfr_graph_run(p.t->graph, &p.t->scene, &(ssfr_run_options){.keep_all = true}), SSFR_OK);
+    assert_false(ssfr_graph_last_run(p.t->graph, 0)->frame->facts.layers);
+}
+
 static void layer_composite_refuses_values_out_of_range(void **state)
 {
     const pond p = begin(state);
@@ -580,6 +640,9 @@ int main(void)
         TEST_TWINS(pictures_are_finite_whatever_the_thicknesses_are),
         TEST_TWINS(infinitely_thick_water_has_its_own_colour),
         TEST_TWINS(without_fluid_the_scene_shows),
+        TEST_TWINS(a_thickness_that_is_given_is_fluid),
+        TEST_TWINS(foam_that_is_given_is_drawn_everywhere),
+        {"the_nearest_fluid_is_that_of_a_depth", the_nearest_fluid_is_that_of_a_depth, NULL, test_clean, "cpu"},
         TEST_TWINS(layer_composite_refuses_values_out_of_range),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

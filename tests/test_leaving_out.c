@@ -136,6 +136,9 @@ static const char *const variants[][5] = {
     {"layer_thickness.splat=exact", "layer_thickness.layers=fragment", "layer_thickness.storage=half", NULL},
     {"layer_thickness.radius_scale=3", "layer_thickness.kernel=exponential", "layer_thickness.occlusion=clipped", NULL},
     {"layer_thickness.splat=quad", "layer_thickness.as_printed=B14,B36", "layer_composite.as_printed=B11", NULL},
+    {"layer_composite.surface=image", NULL},
+    {"layer_composite.border=always", "downsample.factor=4", "layer_composite.reflection=scene", NULL},
+    {"layer_composite.border=never", "downsample.factor=1", "layer_composite.as_printed=B28", NULL},
 };
 
 /* Pipelines that lack a parameter run without it; whether there are all. */
@@ -321,6 +324,59 @@ static void what_is_left_out_is_what_is_not_needed(void **state)
     }
 }
 
+static void an_input_that_is_not_read_runs_nothing(void **state)
+{
+    static const char *const names[] = {"downsample", "adaptive_flow", "upsample", "normals", "layer_composite"};
+    static const struct {
+        const char *settings[4], *wanted, *expected;
+    } cases[] = {
+        {{NULL}, "color", "RRUUR"},
+        {{NULL}, "border", "RRUUR"},
+        {{NULL}, "normal", "RRRRR"},
+        {{NULL}, "surface_depth", "RRRUR"},
+        {{"layer_composite.surface=image", NULL}, "border", "RRRRR"},
+        {{"layer_composite.surface=image", "downsample.factor=1", NULL}, "color", "NRNRR"},
+        {{"downsample.factor=1", NULL}, "color", "NRUUR"},
+        {{"downsample.factor=1", "adaptive_flow.radius=0", NULL}, "color", "NNUUR"},
+        {{"layer_composite.off=1", NULL}, "color", "UUUUO"},
+    };
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    block(&s);
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_graph *graph = test_graph(ssfr_pipeline_find("bagar2010"), gl);
+        test_graph_set(graph, cases[i].settings);
+        assert_int_equal(ssfr_graph_want(graph, cases[i].wanted), SSFR_OK);
+        assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+        for (size_t k = 0; k < SSFR_COUNT(names); k++)
+            if ("ROUNG"[test_graph_node(graph, names[k])->status] != cases[i].expected[k])
+                fail_msg("case %zu: %s is not %c", i, names[k], cases[i].expected[k]);
+        ssfr_graph_destroy(&graph);
+    }
+    test_scene_destroy(&s);
+}
+
+/* What is optional is left out of the program, too. */
+static void a_picture_is_the_same_whether_its_border_is_wanted(void **state)
+{
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("bagar2010"), test_backend(state));
+    test_scene s;
+    among_solids_of_all_shapes(&s);
+    ssfr_field *without = test_graph_picture(graph, &s.scene, "color", false);
+    assert_int_equal(ssfr_graph_want(graph, "border"), SSFR_OK);
+    ssfr_field *with = test_graph_picture(graph, &s.scene, "color", false);
+    ssfr_field *border = test_graph_read(graph, "border");
+    size_t n = 0;
+    for (size_t i = 0; i < (size_t)W * H; i++) n += border->data[i] == 1;
+    assert_true(n > 10 && n < (size_t)W * H / 2);
+    assert_int_equal(test_n_different(without, with), 0);
+    ssfr_field_destroy(&border);
+    ssfr_field_destroy(&with);
+    ssfr_field_destroy(&without);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 static void who_wants_depth_alone_pays_for_no_compositing(void **state)
 {
     ssfr_gl *gl = test_backend(state);
@@ -362,6 +418,8 @@ int main(void)
         ON_BOTH(every_image_is_the_same_to_the_bit),
         ON_BOTH(water_of_which_nothing_is_known_is_drawn_as_without_foam),
         ON_BOTH(what_is_left_out_is_what_is_not_needed),
+        ON_BOTH(an_input_that_is_not_read_runs_nothing),
+        ON_BOTH(a_picture_is_the_same_whether_its_border_is_wanted),
         ON_BOTH(who_wants_depth_alone_pays_for_no_compositing),
         ON_BOTH(keeping_all_runs_all_on_every_tile),
     };

@@ -9,7 +9,7 @@ typedef struct fixture {
     ssfr_rig *rig;
 } fixture;
 
-static void begin(fixture *f, ssfr_gl *gl, const char *const *axes, bool reference)
+static void begin_for(fixture *f, const char *pipeline, ssfr_gl *gl, const char *const *axes, bool reference)
 {
     *f = (fixture){0};
     assert_int_equal(ssfr_sweep_spec_create(&f->spec), SSFR_OK);
@@ -19,11 +19,16 @@ static void begin(fixture *f, ssfr_gl *gl, const char *const *axes, bool referen
         assert_int_equal(ssfr_sweep_spec_reference_text(f->spec, "", "sphere_depth.splat=exact"), SSFR_OK);
     }
     assert_int_equal(ssfr_sweep_spec_complete(f->spec), SSFR_OK);
-    f->options = (ssfr_rig_options){.spec = f->spec, .pipeline = ssfr_pipeline_find("vanderlaan2009"), .gl = gl,
+    f->options = (ssfr_rig_options){.spec = f->spec, .pipeline = ssfr_pipeline_find(pipeline), .gl = gl,
                                     .measure = {.min_runs = 2}, .bandwidth_gl = 2.385e9, .bandwidth_cpu = 2.385e9};
     ssfr_stage_defaults(&f->options.stage);
     assert_int_equal(ssfr_rig_check(f->spec, f->options.pipeline), SSFR_OK);
     assert_int_equal(ssfr_rig_create(&f->rig, &f->options), SSFR_OK);
+}
+
+static void begin(fixture *f, ssfr_gl *gl, const char *const *axes, bool reference)
+{
+    begin_for(f, "vanderlaan2009", gl, axes, reference);
 }
 
 static void end(fixture *f)
@@ -114,6 +119,43 @@ static void without_a_reference_its_columns_are_empty(void **state)
     begin(&f, NULL, axes, false);
     run(&f, 0, v);
     for (int i = SSFR_COLUMN_ref_depth_rms; i <= SSFR_COLUMN_ref_flip; i++) assert_true(isnan(v[i]));
+    end(&f);
+}
+
+static double bytes_of_picture(const char *pipeline, const char *surface)
+{
+    ssfr_stage *stage = NULL;
+    ssfr_stage_options options;
+    ssfr_graph *graph = NULL;
+    double bytes = 0;
+    ssfr_stage_defaults(&options);
+    options.size[0] = 64, options.size[1] = 48;
+    assert_int_equal(ssfr_stage_create(&stage, "block", &options), SSFR_OK);
+    assert_int_equal(ssfr_graph_create(&graph, ssfr_pipeline_find(pipeline), NULL), SSFR_OK);
+    assert_int_equal(ssfr_graph_set(graph, "layer_composite.surface", surface), SSFR_OK);
+    assert_int_equal(ssfr_graph_run(graph, &stage->scene, NULL), SSFR_OK);
+    const ssfr_report *report = ssfr_graph_report(graph);
+    for (int i = 0; i < report->n_nodes; i++) bytes += report->nodes[i].bytes;
+    ssfr_graph_destroy(&graph);
+    ssfr_stage_destroy(&stage);
+    return bytes;
+}
+
+/* Depth and normals are compared, but with surface=split no picture needs them. */
+static void what_no_picture_needs_is_compared_and_not_timed(void **state)
+{
+    (void)state;
+    static const char *const axes[] = {"scene=block", "size=64x48", "backend=cpu", "downsample.factor=2,1",
+                                       "layer_composite.surface=split,image", NULL};
+    fixture f;
+    begin_for(&f, "bagar2010", NULL, axes, false);
+    for (size_t i = 0; i < 2; i++) {
+        double v[SSFR_N_COLUMNS];
+        run(&f, i, v);
+        assert_close(v[SSFR_COLUMN_bytes], bytes_of_picture("bagar2010", i ? "image" : "split"), 0, 0);
+        assert_close(v[SSFR_COLUMN_nan_count], 0, 0, 0);
+    }
+    assert_true(bytes_of_picture("bagar2010", "split") < bytes_of_picture("bagar2010", "image"));
     end(&f);
 }
 
@@ -268,6 +310,7 @@ int main(void)
         cmocka_unit_test(a_run_is_measured_and_compared),
         cmocka_unit_test(a_run_that_is_the_reference_has_no_error),
         cmocka_unit_test(without_a_reference_its_columns_are_empty),
+        cmocka_unit_test(what_no_picture_needs_is_compared_and_not_timed),
         cmocka_unit_test(what_is_kept_between_runs_changes_no_number),
         cmocka_unit_test(what_a_scene_sets_is_gone_with_it_and_yields_to_the_sweep),
         cmocka_unit_test(a_scene_without_particles_can_be_compared),

@@ -107,7 +107,7 @@ ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_fi
                          ssfr_slots[r->slot].channels);
     r->is_given = false; /* until all of it is there */
     SSFR_TRY(graph->gl ? give_texture(graph, r, field) : give_field(graph, r, field));
-    if (field->c == 1) measure_depth(r, field);
+    if (ssfr_slot_is_fluid(r->slot)) measure_depth(r, field);
     r->is_given = true;
 end:
     return result;

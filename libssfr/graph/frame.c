@@ -344,6 +344,7 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
         if (visible || keep_all) add_packet(frame, i);
     }
     facts->fluid = nearest < INFINITY;
+    facts->layers = false;
     facts->nearest = fmax(nearest, frame->near);
     facts->mean = fmax(mean_distance(frame, facts->fluid ? facts->nearest : 0), frame->near);
     list_tiles(facts);
@@ -364,6 +365,12 @@ void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean)
     }
     facts->fluid = true;
     take_all_tiles(facts);
+}
+
+void ssfr_frame_assume_layers(ssfr_frame *frame)
+{
+    frame->facts.layers = true;
+    take_all_tiles(&frame->facts);
 }
 
 /* ---- preparing --------------------------------------------------------------------------------------------------- */
@@ -541,6 +548,7 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     frame->facts.n_ranges = n > 0;
     if (n) frame->facts.first[0] = 0, frame->facts.count[0] = (int)n;
     frame->facts.fluid = n > 0;
+    frame->facts.layers = false;
     frame->facts.nearest = frame->facts.mean = frame->near;
     take_all_tiles(&frame->facts);
     mark_solids(frame, keep_all);

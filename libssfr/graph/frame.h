@@ -74,6 +74,7 @@ typedef struct ssfr_facts {
     size_t n_particles;   /* in packets that touch the view */
     size_t n_packets;     /* that touch the view */
     bool fluid;           /* false: nothing in view is fluid, for there is no particle and no depth of it is given */
+    bool layers;          /* foam or a thickness is given, which may show where no other fluid is in view */
     double nearest;       /* m, no particle's surface in view is nearer to the eye plane; >= the camera's near */
     double mean;          /* m, mean distance of the particles in view from the eye plane; >= near */
     int n_ranges;         /* runs of consecutive visible particles */
@@ -126,6 +127,8 @@ SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scen
 void ssfr_frame_sample_host(ssfr_frame *frame, size_t n, const float (*positions)[3]);
 /* There may be fluid in every tile. Where no particle in view says how far it is, these do (m). */
 void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean);
+/* There may be layers of fluid in every tile. */
+void ssfr_frame_assume_layers(ssfr_frame *frame);
 void ssfr_frame_finish(ssfr_frame *frame);
 
 /* All solids of the frame. */

@@ -111,8 +111,10 @@ static void check_ports(const ssfr_pass *pass)
     assert(ssfr_port_of_values(pass->inputs, SSFR_MAX_VALUES) < 0);
     for (const ssfr_port *in = pass->inputs; in->name; in++)
         assert(!pass->particles_run || ssfr_slot_is_particles(in->slot));
-    for (const ssfr_port *out = pass->outputs; out->name; out++)
+    for (const ssfr_port *out = pass->outputs; out->name; out++) {
         assert(ssfr_slot_is_particles(out->slot) == (pass->particles_run != NULL));
+        assert(out > pass->outputs ? out->optional || !out[-1].optional : !out->optional);
+    }
 }
 
 static ssfr_result add_node(ssfr_graph *graph, const ssfr_node *def)
@@ -466,7 +468,7 @@ static double widening(ssfr_graph *graph, const node *n, bool by_values)
     double widening = 1;
     for (int k = 0; k < n->n_in; k++) {
         const double neutral = ssfr_slots[graph->resources[n->in[k]].slot].neutral;
-        if (!n->pass->inputs[k].widens) continue;
+        if (!n->pass->inputs[k].widens || !ssfr_node_reads(n, k)) continue;
         widening *= by_values ? fmax(ssfr_values_largest(&graph->resources[n->in[k]]), neutral) : neutral;
     }
     return widening;

@@ -180,6 +180,14 @@ void ssfr_tables_finish(ssfr_graph *graph);
 /* Makes program i of a node with these lines after #version, or those of its row where they are empty. */
 SSFR_MUST ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const char *defines);
 
+/* Whether a node reads its k-th input. */
+static inline bool ssfr_node_reads(const node *n, int k)
+{
+    return !n->pass->reads || n->pass->reads(n->params, k);
+}
+/* Marks those as wanted. */
+void ssfr_node_want_inputs(ssfr_graph *graph, const node *n);
+
 /* The index of a port, -1 when there is none of that name or the name is NULL. */
 int ssfr_port_find(const ssfr_port *ports, const char *name);
 

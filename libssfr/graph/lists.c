@@ -19,7 +19,20 @@ ssfr_slot_id ssfr_slot_find(const char *name)
 
 bool ssfr_slot_is_fluid(ssfr_slot_id slot)
 {
-    return fabs(ssfr_slots[slot].neutral) == SSFR_EMPTY && slot != SSFR_SLOT_scene_depth;
+    const bool other = slot == SSFR_SLOT_scene_depth || slot == SSFR_SLOT_foam_depth;
+    return fabs(ssfr_slots[slot].neutral) == SSFR_EMPTY && !other;
+}
+
+bool ssfr_slot_is_layer(ssfr_slot_id slot)
+{
+    switch (slot) {
+    case SSFR_SLOT_foam_depth:
+    case SSFR_SLOT_thickness:
+    case SSFR_SLOT_thickness_back:
+    case SSFR_SLOT_thickness_front:
+    case SSFR_SLOT_foam_thickness: return true;
+    default: return false;
+    }
 }
 
 const char *ssfr_slot_channels(const char *slot)

@@ -44,6 +44,7 @@ typedef struct ssfr_slot {
 extern const ssfr_slot ssfr_slots[SSFR_N_SLOTS];
 ssfr_slot_id ssfr_slot_find(const char *name); /* SSFR_NO_SLOT when there is none */
 bool ssfr_slot_is_fluid(ssfr_slot_id slot);    /* a depth that says where fluid is */
+bool ssfr_slot_is_layer(ssfr_slot_id slot);    /* foam, or a thickness: it shows without a depth of the fluid */
 
 /* What a particle slot holds: `c` values of each of n particles, in their packed order. They are floats, as particles
  * are: then the scene's own arrays are read where they stand, and both twins read the same bits. */
@@ -66,6 +67,7 @@ typedef struct ssfr_port {
     ssfr_slot_id slot;
     bool any_size;    /* inputs: may be of a lower resolution than the outputs, of a higher one if shrink is there */
     /* outputs: */
+    bool optional;    /* left out where nobody wants it; those come last, after one that is not */
     const char *like; /* the input whose size it has; NULL for the frame's */
     const char *from; /* the input that takes its place when the node is left out; NULL for the neutral value */
     const char *over; /* the input that the output begins as, to be drawn over; NULL: the neutral value */
@@ -96,10 +98,10 @@ typedef struct ssfr_lookup_use {
 typedef struct ssfr_run {
     const ssfr_frame *frame;
     const void *params, *coeffs;
-    int divisor_in; /* resolution divisor of the first input, 1 without one */
+    int divisor_in[SSFR_MAX_PORTS]; /* resolution divisor of each input */
     int divisor;    /* of the outputs */
     int w, h;       /* px, of the outputs */
-    int n_out;      /* outputs that the frame needs, the first ones */
+    int n_out;      /* outputs that the frame needs and somebody wants, the first ones */
     bool is_neutral[SSFR_MAX_PORTS]; /* inputs that are images which nobody made in this frame: one neutral pixel */
     /* the CPU twin */
     const ssfr_field *in[SSFR_MAX_PORTS];
@@ -120,8 +122,12 @@ typedef struct ssfr_run {
     struct ssfr_draw *draw;
 } ssfr_run;
 
-/* `needed` and `needless` of passes that do nothing without fluid. */
+/* `needed` and `needless` of passes that do nothing without fluid, or without what shows of it. */
 static inline bool ssfr_needs_fluid(const ssfr_run *run) { return run->frame->facts.fluid; }
+static inline bool ssfr_needs_layers(const ssfr_run *run)
+{
+    return run->frame->facts.fluid || run->frame->facts.layers;
+}
 #define SSFR_NO_FLUID "no fluid in view"
 
 typedef struct ssfr_tolerance { /* between the twins, per value: |gl - cpu| <= abs + rel |cpu| */
@@ -147,6 +153,9 @@ struct ssfr_pass {
     /* False when the node would change nothing; `needless` says when that is. NULL: always needed. */
     bool (*needed)(const ssfr_run *run);
     const char *needless;
+    /* False for an input that goes unread with these parameters: nothing is run for it, and it holds the neutral value.
+     * NULL: all are read. */
+    bool (*reads)(const void *params, int port);
     /* By what its outputs' resolution divisor exceeds its input's. NULL: 1. */
     int (*shrink)(const void *params);
     /* How many of the outputs, the first ones, the frame needs, from 1: the others would be neutral everywhere, and are

@@ -51,7 +51,7 @@ static void set_divisors(ssfr_graph *graph, node *n)
 {
     const ssfr_pass *pass = n->pass;
     n->run.params = n->params, n->run.coeffs = n->coeffs, n->run.frame = &graph->frame;
-    n->run.divisor_in = n->n_in ? graph->resources[n->in[0]].divisor : 1;
+    for (int k = 0; k < n->n_in; k++) n->run.divisor_in[k] = graph->resources[n->in[k]].divisor;
     for (int k = 0; k < n->n_out; k++) {
         resource *out = &graph->resources[n->out[k]];
         n->divisor_out[k] = divisor_of_input(graph, n, n->off ? pass->outputs[k].from : pass->outputs[k].like);
@@ -79,33 +79,51 @@ static void stand_in(ssfr_graph *graph, const node *n)
 
 static ssfr_node_status decide(const ssfr_graph *graph, const node *n, bool keep_all, const char **why)
 {
-    int n_wanted = 0, n_given = 0;
+    int n_wanted = 0, n_open = 0;
     if (n->pass->particles_run) return *why = n->why, n->status;
     for (int k = 0; k < n->n_out; k++) {
         const resource *out = &graph->resources[n->out[k]];
-        n_given += out->is_given;
+        n_open += !out->is_given && (out->wanted || !n->pass->outputs[k].optional);
         n_wanted += out->wanted && !out->is_given;
     }
     *why = "";
     if (n->off) return *why = "switched off", SSFR_OFF;
-    if (n_given == n->n_out) return *why = "its outputs are given", SSFR_GIVEN;
+    if (!n_open) return *why = "its outputs are given", SSFR_GIVEN;
     if (keep_all) return SSFR_RAN;
     if (!n_wanted) return *why = "nobody reads what it writes", SSFR_UNWANTED;
     if (n->pass->needed && !n->pass->needed(&n->run)) return *why = n->pass->needless, SSFR_NEEDLESS;
     return SSFR_RAN;
 }
 
+void ssfr_node_want_inputs(ssfr_graph *graph, const node *n)
+{
+    for (int k = 0; k < n->n_in; k++)
+        if (ssfr_node_reads(n, k)) graph->resources[n->in[k]].wanted = true;
+}
+
+/* Optional outputs stand last: those after the last that is wanted are left out. */
+static void leave_out_outputs(ssfr_graph *graph, node *n, bool keep_all)
+{
+    n->run.n_out = 0;
+    for (int k = 0; k < n->n_out; k++) {
+        const resource *out = &graph->resources[n->out[k]];
+        if (!n->pass->outputs[k].optional || (out->wanted && !out->is_given) || keep_all) n->run.n_out = k + 1;
+    }
+    for (int k = 0; k < n->n_out; k++) graph->resources[n->out[k]].is_spared = k >= n->run.n_out;
+}
+
 /* Last node first, so that each is decided when all its readers are. */
 static void decide_all(ssfr_graph *graph, bool keep_all)
 {
     for (int i = graph->n_nodes - 1; i >= 0; i--) {
-        const node *n = &graph->nodes[i];
+        node *n = &graph->nodes[i];
         ssfr_node_report *report = &graph->reports[i];
         *report = (ssfr_node_report){.node = n->name, .pass = n->pass->name, .ms = NAN,
                                      .stage = n->def->stage ? n->def->stage : ""};
         report->status = decide(graph, n, keep_all, &report->why);
         if (report->status == SSFR_RAN) {
-            for (int k = 0; k < n->n_in; k++) graph->resources[n->in[k]].wanted = true;
+            ssfr_node_want_inputs(graph, n);
+            leave_out_outputs(graph, n, keep_all);
         } else {
             stand_in(graph, n);
         }
@@ -128,24 +146,34 @@ static const image *source(const ssfr_graph *graph, int index, int *divisor)
 /* First node first, for what is read decides what is written. */
 static void spare_outputs(ssfr_graph *graph, node *n, bool keep_all)
 {
-    n->run.n_out = n->n_out;
     for (int k = 0; k < n->n_in; k++) {
         int divisor;
         const resource *r = &graph->resources[n->in[k]];
-        n->run.is_neutral[k] = source(graph, n->in[k], &divisor) == &graph->neutral[r->slot];
+        n->run.is_neutral[k] = !ssfr_node_reads(n, k) ||
+                               source(graph, n->in[k], &divisor) == &graph->neutral[r->slot];
     }
-    if (n->pass->n_needed && !keep_all) n->run.n_out = n->pass->n_needed(&n->run);
+    if (n->pass->n_needed && !keep_all)
+        n->run.n_out = ssfr_min_int(n->run.n_out, n->pass->n_needed(&n->run));
     for (int k = n->run.n_out; k < n->n_out; k++) graph->resources[n->out[k]].is_spared = true;
+}
+
+/* The resolution of what a node reads; 0 fits all, as does what nobody made because this node is needless. */
+static int divisor_read(const ssfr_graph *graph, int index)
+{
+    const resource *r = &graph->resources[index];
+    int divisor;
+    source(graph, index, &divisor);
+    const bool unwanted = r->writer >= 0 && graph->reports[r->writer].status == SSFR_UNWANTED && !r->is_given;
+    return unwanted ? 0 : divisor;
 }
 
 /* A pass reads its inputs pixel by pixel: they have its own resolution, unless it says that it scales. */
 static ssfr_result check_inputs(const ssfr_graph *graph, const node *n)
 {
     for (int k = 0; k < n->n_in; k++) {
-        int divisor;
-        if (ssfr_slot_is_particles(n->pass->inputs[k].slot)) continue;
-        source(graph, n->in[k], &divisor);
         const ssfr_port *in = &n->pass->inputs[k];
+        if (ssfr_slot_is_particles(in->slot) || !ssfr_node_reads(n, k)) continue;
+        const int divisor = divisor_read(graph, n->in[k]);
         const bool scales = in->any_size && (n->pass->shrink || divisor > n->run.divisor);
         if (divisor && divisor != n->run.divisor && !scales)
             return ssfr_fail(SSFR_ERR_VALUE, "%s: %s has 1/%d of the frame's resolution, the pass works at 1/%d",

@@ -208,6 +208,12 @@ end:
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
+static const image *input_image(const ssfr_graph *graph, const node *n, int k)
+{
+    const resource *r = &graph->resources[n->in[k]];
+    return ssfr_node_reads(n, k) ? r->image : &graph->neutral[r->slot];
+}
+
 /* Whether a node can draw right into the host's texture: when what it writes is the result, be it that the nodes that
  * would draw over it are left out; but not when it reads it, nor when it is of another size or stored otherwise. */
 static bool is_export(const ssfr_graph *graph, const node *n, int index, int w, int h)
@@ -217,7 +223,7 @@ static bool is_export(const ssfr_graph *graph, const node *n, int index, int w, 
     const resource *r = &graph->resources[index], *shown = &graph->resources[graph->last[slot]];
     bool ok = to->name && r->slot == slot && shown->image == &r->own && to->w == w && to->h == h;
     ok &= ssfr_node_storage(n) == SSFR_STORE_FLOAT;
-    for (int k = 0; k < n->n_in; k++) ok &= graph->resources[n->in[k]].image->texture.name != to->name;
+    for (int k = 0; k < n->n_in; k++) ok &= input_image(graph, n, k)->texture.name != to->name;
     return ok;
 }
 
@@ -297,7 +303,7 @@ static ssfr_result run_on_cpu(ssfr_graph *graph, node *n)
     ssfr_result result = SSFR_OK;
     ssfr_run *run = &n->run;
     SSFR_TRY(ssfr_tables_ready(graph, n));
-    for (int k = 0; k < n->n_in; k++) run->in[k] = graph->resources[n->in[k]].image->field;
+    for (int k = 0; k < n->n_in; k++) run->in[k] = input_image(graph, n, k)->field;
     for (int k = 0; k < n->n_out; k++) {
         run->out[k] = k < run->n_out ? graph->resources[n->out[k]].own.field : NULL;
         if (run->out[k] && !n->pass->whole_screen) begin_field(run->out[k], begins_as(graph, n, k)->field);
@@ -378,7 +384,7 @@ static ssfr_result fill_draw(ssfr_graph *graph, node *n)
     }
     for (int k = 0; k < n->n_in; k++) {
         if (ssfr_slot_is_particles(n->pass->inputs[k].slot)) continue;
-        draw->in[k] = &graph->resources[n->in[k]].image->texture;
+        draw->in[k] = &input_image(graph, n, k)->texture;
         ssfr_draw_bind(draw, k, draw->in[k]);
     }
     n->run.draw = draw;
@@ -470,7 +476,7 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
         const resource *r = &graph->resources[n->in[k]];
         const bool values = ssfr_slot_is_particles(r->slot);
         if (values) report->bytes += values_bytes(&r->values);
-        if (values) continue;
+        if (values || !ssfr_node_reads(n, k)) continue;
         if (n->pass->taps == 0) report->taps++;
         report->bytes += channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * px *
                          ssfr_square((double)n->run.divisor / r->divisor);
@@ -530,6 +536,7 @@ static void note_given_fluid(ssfr_graph *graph)
     for (int i = 0; i < graph->n_resources; i++) {
         const resource *r = &graph->resources[i];
         if (r->is_given && ssfr_slot_is_fluid(r->slot)) ssfr_frame_assume_fluid(&graph->frame, r->nearest, r->mean);
+        if (r->is_given && ssfr_slot_is_layer(r->slot)) ssfr_frame_assume_layers(&graph->frame);
     }
 }
 

@@ -12,11 +12,6 @@ int ssfr_port_of_values(const ssfr_port *ports, int j)
 
 /* ---- who is read ------------------------------------------------------------------------------------------------- */
 
-static void want_inputs(ssfr_graph *graph, const node *n)
-{
-    for (int k = 0; k < n->n_in; k++) graph->resources[n->in[k]].wanted = true;
-}
-
 /* What stands in for the outputs of a node that is off. */
 static void want_stand_ins(ssfr_graph *graph, const node *n)
 {
@@ -41,7 +36,7 @@ static void find_readers(ssfr_graph *graph, bool keep_all)
         }
         n->read = read || (keep_all && open);
         if (n->off) want_stand_ins(graph, n);
-        else if (n->read) want_inputs(graph, n);
+        else if (n->read) ssfr_node_want_inputs(graph, n);
     }
 }
 

@@ -75,20 +75,53 @@ static void compose(const layers *l, double color[3])
     if (water && l->c->front_weight) add_weighted(l, through, through_foam, color);
 }
 
-static void pixel(const ssfr_run *run, int x, int y, double out[3])
+/* Listing A.23. */
+static void compose_border(layers *l, const ssfr_split_pixel *at, double color[3])
 {
-    const layers l = {.c = run->coeffs, .s = ssfr_surface_at(run, x, y),
-                      .back = ssfr_optics_value(run->in[SSFR_LAYER_BACK], x, y, SSFR_THICKEST),
-                      .front = ssfr_optics_value(run->in[SSFR_LAYER_FRONT], x, y, SSFR_THICKEST),
-                      .foam = ssfr_optics_value(run->in[SSFR_LAYER_FOAM], x, y, SSFR_THICKEST),
-                      .foam_front = ssfr_optics_value(run->in[SSFR_LAYER_FOAM_FRONT], x, y, SSFR_THICKEST),
-                      .light = ssfr_optics_value(run->in[SSFR_LAYER_LIGHT], x, y, 1)};
-    if (ssfr_is_surface(l.s.z) || l.back > 0 || l.front > 0 || l.foam > 0) compose(&l, out); /* else the scene shows */
+    double sum[3] = {0};
+    for (int k = 0; k < 4; k++) {
+        const double weight = ssfr_split_weight(at, k);
+        if (!(weight > 0)) continue;
+        l->s = ssfr_split_sample(at, k);
+        compose(l, color);
+        for (int j = 0; j < 3; j++) sum[j] += weight * color[j];
+    }
+    memcpy(color, sum, sizeof sum);
+}
+
+/* Depths of low resolution reach over the water's outline: its thickness says where it ends. */
+static bool compose_split(const ssfr_run *run, int x, int y, layers *l, double color[3])
+{
+    const bool water = l->back > 0 || l->front > 0;
+    const ssfr_split_pixel at = ssfr_split_at(run, &l->c->split, run->in[SSFR_LAYER_LOW], x, y);
+    l->s = at.inner;
+    if (!water) l->s.z = -SSFR_EMPTY;
+    if (water && at.border) compose_border(l, &at, color);
+    else compose(l, color);
+    return water && at.border;
+}
+
+static void pixel(const ssfr_run *run, int x, int y)
+{
+    const ssfr_layer_composite_coeffs *c = run->coeffs;
+    layers l = {.c = c,
+                .back = ssfr_optics_value(run->in[SSFR_LAYER_BACK], x, y, SSFR_THICKEST),
+                .front = ssfr_optics_value(run->in[SSFR_LAYER_FRONT], x, y, SSFR_THICKEST),
+                .foam = ssfr_optics_value(run->in[SSFR_LAYER_FOAM], x, y, SSFR_THICKEST),
+                .foam_front = ssfr_optics_value(run->in[SSFR_LAYER_FOAM_FRONT], x, y, SSFR_THICKEST),
+                .light = ssfr_optics_value(run->in[SSFR_LAYER_LIGHT], x, y, 1)};
+    double *color = ssfr_field_at(run->out[0], x, y);
+    bool border = false;
+    if (!c->is_split) l.s = ssfr_surface_at(run, x, y);
+    if (!(l.back > 0 || l.front > 0 || l.foam > 0) && (c->is_split || !ssfr_is_surface(l.s.z))) return; /* the scene */
+    if (c->is_split) border = compose_split(run, x, y, &l, color);
+    else compose(&l, color);
+    if (run->n_out > 1) *ssfr_field_at(run->out[1], x, y) = border;
 }
 
 void ssfr_layer_composite_cpu(const ssfr_run *run)
 {
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < run->h; y++)
-        for (int x = 0; x < run->w; x++) pixel(run, x, y, ssfr_field_at(run->out[0], x, y));
+        for (int x = 0; x < run->w; x++) pixel(run, x, y);
 }

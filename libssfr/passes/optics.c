@@ -22,20 +22,24 @@ double ssfr_optics_value(const ssfr_field *field, int x, int y, double most)
     return value > 0 ? fmin(value, most) : 0;
 }
 
-ssfr_surface ssfr_surface_at(const ssfr_run *run, int x, int y)
+ssfr_surface ssfr_surface_make(const ssfr_run *run, int x, int y, const double position[3], const double n[3])
 {
-    ssfr_surface s = {.run = run, .optics = run->coeffs, .block = &run->frame->block, .x = x, .y = y};
-    const double *n = ssfr_field_fetch(run->in[SSFR_OPTICS_NORMAL], x, y);
-    s.z = *ssfr_field_fetch(run->in[SSFR_OPTICS_DEPTH], x, y);
-    for (int k = 0; k < 3; k++) s.n[k] = n[k];
+    ssfr_surface s = {.run = run, .optics = run->coeffs, .block = &run->frame->block, .x = x, .y = y, .z = position[2]};
     if (!ssfr_is_surface(s.z)) return s;
-    ssfr_slope_at(s.block, x + 0.5, y + 0.5, s.position);
-    for (int k = 0; k < 2; k++) s.position[k] *= -s.z;
-    s.position[2] = s.z;
-    for (int k = 0; k < 3; k++) s.view[k] = -s.position[k];
+    for (int k = 0; k < 3; k++) s.n[k] = n[k], s.position[k] = position[k], s.view[k] = -position[k];
     ssfr_normalize(s.view);
     s.cosine = ssfr_clamp(ssfr_dot(s.n, s.view), 0, 1);
     return s;
+}
+
+ssfr_surface ssfr_surface_at(const ssfr_run *run, int x, int y)
+{
+    const double z = *ssfr_field_fetch(run->in[SSFR_OPTICS_DEPTH], x, y);
+    double position[3];
+    ssfr_slope_at(&run->frame->block, x + 0.5, y + 0.5, position);
+    for (int k = 0; k < 2; k++) position[k] *= -z;
+    position[2] = z;
+    return ssfr_surface_make(run, x, y, position, ssfr_field_fetch(run->in[SSFR_OPTICS_NORMAL], x, y));
 }
 
 /* Between the four pixels around (x, y), px; centres stand at halves. */

@@ -64,7 +64,10 @@ typedef struct ssfr_surface { /* of the water at one pixel */
     double cosine;      /* between normal and view, [0, 1] */
 } ssfr_surface;
 
+/* That of the inputs. */
 ssfr_surface ssfr_surface_at(const ssfr_run *run, int x, int y);
+/* One at a position of its own (m, eye space) with a unit normal. */
+ssfr_surface ssfr_surface_make(const ssfr_run *run, int x, int y, const double position[3], const double n[3]);
 
 /* The scene d pixels aside, or straight behind where what stands there is rejected. */
 void ssfr_surface_refracted(const ssfr_surface *s, const double d[2], double out[3]);

@@ -29,7 +29,7 @@ static const ssfr_uniform uniforms[] = {
 /* Pixels of the guide a pixel of the depth, along each axis. */
 static int factor_of(const ssfr_run *run)
 {
-    return ssfr_max_int(run->divisor_in / run->divisor, 1);
+    return ssfr_max_int(run->divisor_in[0] / run->divisor, 1);
 }
 
 static void derive(const ssfr_run *run, void *coeffs)

@@ -1,25 +1,32 @@
 /* SPDX-License-Identifier: MIT */
-/* bagar2010.c: water smoothed alike at every distance, and foam, in layers, and spray. */
+/* bagar2010.c: water smoothed alike at every distance, and foam, in layers, and spray. The compositing reads the
+ * smoothed depth; with surface=image upsample and normals are between them. */
 #include "graph/pass.h"
+
+/* The stages of sec. 5.2; "update of data structures" belongs to the composition. Drawing the scene is none of them. */
+#define DEPTH "depth_passes"
+#define THICKNESS "thickness_passes"
+#define FLOW "adaptive_curvature_flow"
+#define COMPOSITE "composite_and_update"
 
 const ssfr_pipeline ssfr_pipeline_bagar2010 = {
     .name = "bagar2010",
-    .source = "Bagar 2010, secs 3.1, 3.2, 4.2 and 4.6 to 4.9, without shadows",
-    .help = "screen-space fluid rendering with adaptive curvature flow, foam between two layers of water, and spray",
+    .source = "Bagar 2010, chapters 3 and 4",
+    .help = "screen-space fluid rendering with adaptive curvature flow: layers of water and foam, and spray",
     .result = SSFR_SLOT_color,
     .nodes = {
-        {"weber", "weber_foam"},
-        {"sparse"},
+        {"weber", "weber_foam", .stage = COMPOSITE},
+        {"sparse", .stage = COMPOSITE},
         {"background"},
-        {"sphere_depth"},
-        {"foam_depth"},
-        {"downsample"},
-        {"adaptive_flow"},
-        {"upsample"},
-        {"normals"},
-        {"layer_thickness"},
-        {"foam_thickness"},
-        {"layer_composite"},
-        {"spray"},
+        {"sphere_depth", .stage = DEPTH},
+        {"foam_depth", .stage = DEPTH},
+        {"downsample", .stage = FLOW},
+        {"adaptive_flow", .stage = FLOW},
+        {"upsample", .stage = FLOW},
+        {"normals", .stage = COMPOSITE},
+        {"layer_thickness", .stage = THICKNESS},
+        {"foam_thickness", .stage = THICKNESS},
+        {"layer_composite", .stage = COMPOSITE, .settings = {"surface=split"}},
+        {"spray", .stage = COMPOSITE},
     },
 };
