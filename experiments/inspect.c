@@ -4,6 +4,7 @@
 #include "experiments/frame_file.h"
 #include "experiments/hash.h"
 
+#include "base/field.h"
 #include "graph/pass.h"
 
 #include <inttypes.h>
@@ -82,27 +83,28 @@ typedef struct range {
 } range;
 
 /* What the values of a slot may be. */
-static range range_of(const ssfr_slot *slot, const ssfr_bounds *b)
+static range range_of(ssfr_slot_id id, const ssfr_bounds *b)
 {
     range r = {-INFINITY, INFINITY};
-    if (ssfr_slot_is_fluid(ssfr_slot_find(slot->name)))
+    if (ssfr_slot_is_fluid(id))
         r = (range){b->farthest - slack * fabs(b->farthest), b->nearest + slack * fabs(b->nearest)};
-    else if (strcmp(slot->exr, "T") == 0)
+    else if (strcmp(ssfr_slots[id].exr, "T") == 0)
         r.lo = 0;
-    else if (strcmp(slot->name, "color") == 0)
+    else if (id == SSFR_SLOT_color)
         r = (range){0, b->brightest * (1 + slack)};
     return r;
 }
 
 void ssfr_inspect_image(ssfr_inspected *inspected, const char *slot, const ssfr_field *image, const ssfr_bounds *bounds)
 {
-    const ssfr_slot *row = &ssfr_slots[ssfr_slot_find(slot)];
-    const range r = range_of(row, bounds);
+    const ssfr_slot_id id = ssfr_slot_find(slot);
+    const range r = range_of(id, bounds);
     const size_t n = (size_t)image->w * (size_t)image->h * (size_t)image->c;
     for (size_t i = 0; i < n; i++) {
         const double value = image->data[i];
         inspected->finite &= isfinite(value);
-        inspected->bounded &= value == row->neutral || (value >= r.lo && value <= r.hi);
+        const bool empty = ssfr_slot_is_fluid(id) && !ssfr_is_surface(value);
+        inspected->bounded &= empty || (value >= r.lo && value <= r.hi);
     }
 }
 

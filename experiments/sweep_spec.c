@@ -438,7 +438,7 @@ static void finish_plot(ssfr_plot_spec *plot)
     free(plot->where);
 }
 
-static void finish_published(ssfr_published_spec *published)
+void ssfr_published_spec_finish(ssfr_published_spec *published)
 {
     for (int i = 0; i < published->n_on; i++) free(published->on[i]), free(published->with[i]);
     free(published->file);
@@ -476,7 +476,7 @@ void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec)
     finish_settings(&s->reference);
     finish_plot(&s->plot);
     for (int i = 0; i < s->n_curves; i++) finish_plot(&s->curves[i]);
-    finish_published(&s->published);
+    ssfr_published_spec_finish(&s->published);
     ssfr_sweep_spec_destroy(&s->quick);
     free(s->title);
     free(s);

@@ -4,6 +4,7 @@
 #define SSFR_SWEEP_SPEC_INTERNAL_H
 
 #include "experiments/sweep_spec.h"
+#include "experiments/yaml_tree.h"
 
 /* Of at most n values, which are added one by one; finish it also when this fails. */
 SSFR_MUST ssfr_result ssfr_axis_init(ssfr_axis *axis, const char *where, const char *key, size_t n);
@@ -20,5 +21,9 @@ SSFR_MUST ssfr_result ssfr_settings_add(ssfr_settings *settings, const char *whe
 SSFR_MUST ssfr_result ssfr_sweep_spec_put(ssfr_sweep_spec *spec, ssfr_axis *axis);
 /* The axis `view` of as many as the path has. */
 SSFR_MUST ssfr_result ssfr_sweep_spec_put_views(ssfr_sweep_spec *spec, const char *where);
+
+/* Reader of a row: ssfr_published_spec, to be finished also when it fails. */
+ssfr_yaml_read ssfr_published_spec_read;
+void ssfr_published_spec_finish(ssfr_published_spec *published);
 
 #endif

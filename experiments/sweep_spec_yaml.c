@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sweep_spec_yaml.c: reading what a sweep runs, with file, line and column in every error. */
 #include "experiments/sweep_spec_internal.h"
-#include "experiments/yaml_tree.h"
 
 #include <errno.h>
 
@@ -305,7 +304,7 @@ end:
     return result;
 }
 
-static ssfr_result read_published(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+ssfr_result ssfr_published_spec_read(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     static const ssfr_yaml_row rows[] = {
         SSFR_YAML_ROW("file", ssfr_yaml_read_text, ssfr_published_spec, file, .needed = true),
@@ -367,7 +366,7 @@ static ssfr_result read_yaml(ssfr_sweep_spec *spec, const char *path, const char
         SSFR_YAML_ROW("added", read_added, ssfr_sweep_spec, against),
         SSFR_YAML_ROW("plot", read_plot, ssfr_sweep_spec, plot),
         SSFR_YAML_ROW_ALL("curves", read_curves),
-        SSFR_YAML_ROW("published", read_published, ssfr_sweep_spec, published),
+        SSFR_YAML_ROW("published", ssfr_published_spec_read, ssfr_sweep_spec, published),
         SSFR_YAML_ROW_ALL("quick", read_quick),
         SSFR_YAML_ROW_END,
     };
