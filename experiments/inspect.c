@@ -4,7 +4,6 @@
 #include "experiments/frame_file.h"
 #include "experiments/hash.h"
 
-#include "base/field.h"
 #include "graph/pass.h"
 
 #include <inttypes.h>
@@ -103,7 +102,7 @@ void ssfr_inspect_image(ssfr_inspected *inspected, const char *slot, const ssfr_
     for (size_t i = 0; i < n; i++) {
         const double value = image->data[i];
         inspected->finite &= isfinite(value);
-        const bool empty = ssfr_slot_is_fluid(id) && !ssfr_is_surface(value);
+        const bool empty = ssfr_slot_is_fluid(id) && fabs(value) >= SSFR_SURFACE; /* a NaN is not */
         inspected->bounded &= empty || (value >= r.lo && value <= r.hi);
     }
 }

@@ -119,8 +119,8 @@ static void begin(fixture *f, const char *const *axes, const char *const *settin
     for (; *settings; settings++) assert_int_equal(ssfr_sweep_spec_set_text(f->spec, "--set", *settings), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_reference_text(f->spec, "--reference", "truth"), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_complete(f->spec), SSFR_OK);
-    f->options = (ssfr_rig_options){.spec = f->spec,
-                                    .measure = {.min_runs = 1}, .bandwidth_gl = 2.385e9, .bandwidth_cpu = 2.385e9};
+    f->options = (ssfr_rig_options){.spec = f->spec, .measure = {.min_runs = 1}, .bandwidth_gl = 2.385e9,
+                                    .bandwidth_cpu = 2.385e9};
     ssfr_stage_defaults(&f->options.stage);
     f->options.stage.cache = test_path("cache");
     assert_int_equal(ssfr_rig_check(f->spec, &f->options.stage), SSFR_OK);
@@ -342,6 +342,8 @@ static void parameters_of_truth_are_checked_before_anything_runs(void **state)
         {false, SSFR_ERR_UNKNOWN, "truth.kind=spheres", "--vary: truth.kind: only a sweep with `reference: truth`"},
         {false, SSFR_ERR_UNKNOWN, "path.depth=3", "--vary: path.depth: only a sweep with `reference: truth`"},
     };
+    ssfr_stage_options stage;
+    ssfr_stage_defaults(&stage);
     for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
         ssfr_sweep_spec *spec = NULL;
         assert_int_equal(ssfr_sweep_spec_create(&spec), SSFR_OK);
