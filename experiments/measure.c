@@ -224,13 +224,20 @@ static double copy_memory(char *to, const char *from)
     return 2.0 * (double)copy_size / (ssfr_clock() - begun);
 }
 
-static double memory_bandwidth(void)
+/* One is always timed. */
+static bool may_repeat(int i, double begun, double max_seconds)
+{
+    return i < COPY_REPEATS && (i == 0 || max_seconds == 0 || ssfr_clock() - begun < max_seconds);
+}
+
+static double memory_bandwidth(double max_seconds)
 {
     double best = NAN;
     char *from = NULL, *to = NULL;
     if (ssfr_alloc(&from, copy_size, 1, "a copy") == SSFR_OK && ssfr_alloc(&to, copy_size, 1, "a copy") == SSFR_OK) {
         copy_memory(from, to); /* touches the pages */
-        for (int i = 0; i < COPY_REPEATS; i++) best = fmax(best, copy_memory(to, from));
+        const double begun = ssfr_clock();
+        for (int i = 0; may_repeat(i, begun, max_seconds); i++) best = fmax(best, copy_memory(to, from));
     }
     free(from);
     free(to);
@@ -250,7 +257,7 @@ static double copy_texture(const ssfr_texture *to, const ssfr_texture *from)
     return 2.0 * COPY_BATCH * bytes / (ssfr_clock() - begun);
 }
 
-static double texture_bandwidth(ssfr_gl *gl)
+static double texture_bandwidth(ssfr_gl *gl, double max_seconds)
 {
     ssfr_result result = SSFR_OK;
     ssfr_texture from = {0}, to = {0};
@@ -262,14 +269,15 @@ static double texture_bandwidth(ssfr_gl *gl)
     SSFR_TRY(ssfr_texture_create(gl, &to, side, side, 4, SSFR_STORE_FLOAT));
     ssfr_texture_clear(&from, grey);
     copy_texture(&to, &from);
-    for (int i = 0; i < COPY_REPEATS; i++) best = fmax(best, copy_texture(&to, &from));
+    const double begun = ssfr_clock();
+    for (int i = 0; may_repeat(i, begun, max_seconds); i++) best = fmax(best, copy_texture(&to, &from));
 end:
     ssfr_texture_finish(&from);
     ssfr_texture_finish(&to);
     return ssfr_gl_end(gl, result) == SSFR_OK ? best : NAN;
 }
 
-double ssfr_measure_copy_bandwidth(ssfr_gl *gl)
+double ssfr_measure_copy_bandwidth(ssfr_gl *gl, double max_seconds)
 {
-    return gl && !ssfr_gl_is_software(gl) ? texture_bandwidth(gl) : memory_bandwidth();
+    return gl && !ssfr_gl_is_software(gl) ? texture_bandwidth(gl, max_seconds) : memory_bandwidth(max_seconds);
 }

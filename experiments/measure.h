@@ -57,8 +57,9 @@ SSFR_MUST ssfr_result ssfr_measure_subjects(ssfr_measured **out, ssfr_paired *pa
                                             const ssfr_measure_options *options);
 
 /* Bytes read and written a second by a large copy, the best of several: between textures of a GPU, else (gl NULL, or a
- * software rasteriser) in memory by all threads. NaN when it cannot be measured, which is logged. */
-double ssfr_measure_copy_bandwidth(ssfr_gl *gl);
+ * software rasteriser) in memory by all threads. max_seconds caps the copies, but one is always timed; 0: no cap. NaN
+ * when it cannot be measured, which is logged. */
+double ssfr_measure_copy_bandwidth(ssfr_gl *gl, double max_seconds);
 
 /* Time over the least that moving `bytes` can take. */
 double ssfr_measure_roofline(double ms, double bytes, double bandwidth);

@@ -362,15 +362,18 @@ end:
     return result;
 }
 
-static ssfr_result begin_table(sweep *s)
+/* What the times of all rows are held against. */
+static void measure_copies(sweep *s)
 {
-    ssfr_result result = SSFR_OK;
-    scenes list = {0};
-    uint64_t identity = identity_of(s);
-    SSFR_TRY(record_scenes(s, &list, &identity));
-    SSFR_TRY(ssfr_csv_create(&s->csv, s->o->output, s->n_columns, s->columns, s->n_keys, s->o->resume));
-    if (!s->o->output) goto end;
-    if (ssfr_csv_resumed(s->csv)) SSFR_TRY(ssfr_meta_check(s->o->output, identity));
+    ssfr_rig_options *r = &s->rig_options;
+    r->bandwidth_cpu = ssfr_measure_copy_bandwidth(NULL, r->measure.max_seconds);
+    if (!s->gl) return;
+    r->bandwidth_gl = ssfr_gl_is_software(s->gl) ? r->bandwidth_cpu
+                                                 : ssfr_measure_copy_bandwidth(s->gl, r->measure.max_seconds);
+}
+
+static ssfr_result save_meta(const sweep *s, const scenes *list, uint64_t identity)
+{
     const ssfr_meta meta = {.argc = s->o->argc,
                             .argv = s->o->argv,
                             .seed = s->o->seed,
@@ -383,11 +386,26 @@ static ssfr_result begin_table(sweep *s)
                             .scale = ssfr_scale_words[s->o->stage.scale],
                             .n_columns = n_said(s),
                             .columns = s->meanings,
-                            .n_scenes = (int)list.n,
-                            .scenes = list.records,
+                            .n_scenes = (int)list->n,
+                            .scenes = list->records,
                             .bandwidth_gl = s->rig_options.bandwidth_gl,
                             .bandwidth_cpu = s->rig_options.bandwidth_cpu};
-    SSFR_TRY(ssfr_meta_save(s->o->output, &meta));
+    return ssfr_meta_save(s->o->output, &meta);
+}
+
+/* *todo is the number of runs to be made: a table that has all stays as it is, with what stands beside it. */
+static ssfr_result begin_table(sweep *s, size_t *todo)
+{
+    ssfr_result result = SSFR_OK;
+    scenes list = {0};
+    uint64_t identity = identity_of(s);
+    SSFR_TRY(record_scenes(s, &list, &identity));
+    SSFR_TRY(ssfr_csv_create(&s->csv, s->o->output, s->n_columns, s->columns, s->n_keys, s->o->resume));
+    if (s->o->output && ssfr_csv_resumed(s->csv)) SSFR_TRY(ssfr_meta_check(s->o->output, identity));
+    SSFR_TRY(visit_runs(s, true, todo));
+    if (*todo == 0 && ssfr_csv_resumed(s->csv)) goto end;
+    measure_copies(s);
+    if (s->o->output) SSFR_TRY(save_meta(s, &list, identity));
 end:
     finish_scenes(&list);
     return result;
@@ -433,8 +451,6 @@ static ssfr_result make_rig(sweep *s)
                             .bandwidth_gl = NAN,
                             .no_twin = s->o->no_twin};
     r->measure.max_seconds = s->o->max_time;
-    r->bandwidth_cpu = ssfr_measure_copy_bandwidth(NULL);
-    if (on_gpu) r->bandwidth_gl = ssfr_gl_is_software(s->gl) ? r->bandwidth_cpu : ssfr_measure_copy_bandwidth(s->gl);
     SSFR_TRY(ssfr_rig_create(&s->rig, r));
 end:
     return result;
@@ -443,12 +459,11 @@ end:
 static ssfr_result run(sweep *s)
 {
     ssfr_result result = SSFR_OK;
-    size_t n = 0;
+    size_t todo = 0;
     const double begun = ssfr_clock();
     SSFR_TRY(make_rig(s));
-    SSFR_TRY(begin_table(s));
-    SSFR_TRY(visit_runs(s, true, &n));
-    const size_t todo = n;
+    SSFR_TRY(begin_table(s, &todo));
+    size_t n = todo;
     ssfr_interrupt_begin(); /* the row in progress is finished, but for a truth that is being cast */
     result = visit_runs(s, false, &n);
     ssfr_interrupt_end();

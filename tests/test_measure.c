@@ -102,7 +102,7 @@ static void quick_measuring_asks_for_less(void **state)
 static void memory_has_a_bandwidth(void **state)
 {
     (void)state;
-    const double bandwidth = ssfr_measure_copy_bandwidth(NULL);
+    const double bandwidth = ssfr_measure_copy_bandwidth(NULL, 0.01);
     assert_true(bandwidth > 1e8 && bandwidth < 1e13);
 }
 
@@ -110,7 +110,7 @@ static void a_gpu_has_a_bandwidth(void **state)
 {
     (void)state;
     ssfr_gl *gl = test_gl_or_skip();
-    const double bandwidth = ssfr_measure_copy_bandwidth(gl);
+    const double bandwidth = ssfr_measure_copy_bandwidth(gl, 0);
     ssfr_gl_destroy(&gl);
     assert_true(bandwidth > 1e8 && bandwidth < 1e14);
 }

@@ -549,7 +549,7 @@ static void malformed_sweeps_are_refused_with_their_place(void **state)
         {SSFR_ERR_FORMAT, "path: {camera: zoom}\n", "spec.yaml:1:1: path: views must be given"},
         {SSFR_ERR_VALUE, "path: {views: 0}\n", "spec.yaml:1:15: views: 0 is out of range [1, 10000]"},
         {SSFR_ERR_VALUE, "path: {views: 1.5}\n", "spec.yaml:1:15: views: 1.5 is not a whole number"},
-        {SSFR_ERR_VALUE, "path: {views: 2, frames: run}\n", "spec.yaml:1:26: frames: run"},
+        {SSFR_ERR_VALUE, "path: {views: 2, frames: run}\n", "spec.yaml:1:26: frames: \"run\" is none of stand, follow"},
         {SSFR_ERR_FORMAT, "camera: a\npath: {camera: b, views: 2}\n", "spec.yaml:2:8: camera is varied twice"},
         {SSFR_ERR_FORMAT, "against: base\n", "spec.yaml:1:10: against: expected a map"},
         {SSFR_ERR_FORMAT, "against: {}\n", "spec.yaml:1:10: against: expected a map of axes to cells"},
