@@ -25,7 +25,8 @@ static const ssfr_option rows[] = {
     ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default splash)", 0, 0),
     ROW(output, "output", 'o', TEXT, "FILE.csv", "write the table as CSV too, with FILE.meta.json beside it", 0, 0),
     ROW(quick, "quick", 0, FLAG, NULL, "3 runs and 0.2 s instead of 10 and 1 s", 0, 0),
-    ROW(max_time, "max-time", 0, NUMBER, "S", "cap the timed frames, and the copies that they are held against, s; one is always timed", 1e-3, 1e6),
+    ROW(max_time, "max-time", 0, NUMBER, "S",
+        "cap the timed frames, and the copies that they are held against, s; one is always timed", 1e-3, 1e6),
     SSFR_OPTION_END,
 };
 

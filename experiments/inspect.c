@@ -94,7 +94,8 @@ static range range_of(ssfr_slot_id id, const ssfr_bounds *b)
     return r;
 }
 
-void ssfr_inspect_image(ssfr_inspected *inspected, const char *slot, const ssfr_field *image, const ssfr_bounds *bounds)
+void ssfr_inspect_image(ssfr_inspected *inspected, const char *slot, const ssfr_field *image,
+                        const ssfr_bounds *bounds)
 {
     const ssfr_slot_id id = ssfr_slot_find(slot);
     const range r = range_of(id, bounds);

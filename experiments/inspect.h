@@ -28,7 +28,8 @@ typedef struct ssfr_inspected {
 } ssfr_inspected;
 
 /* Clears what an image of that slot is not; both must be true at first. */
-void ssfr_inspect_image(ssfr_inspected *inspected, const char *slot, const ssfr_field *image, const ssfr_bounds *bounds);
+void ssfr_inspect_image(ssfr_inspected *inspected, const char *slot, const ssfr_field *image,
+                        const ssfr_bounds *bounds);
 
 /* Runs one more frame, with all images, and looks at each. What the graph was asked for stays as it was. */
 SSFR_MUST ssfr_result ssfr_inspect_frame(ssfr_inspected *out, ssfr_graph *graph, const ssfr_scene *scene,

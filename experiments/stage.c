@@ -41,8 +41,8 @@ const ssfr_option ssfr_view_rows[] = {
 void ssfr_stage_defaults(ssfr_stage_options *options)
 {
     *options = (ssfr_stage_options){
-        .unit = 1, .up_axis = 1, .frame = -1, .time = NAN, .camera_time = NAN, .eye = {NAN, NAN, NAN}, .target = {NAN, NAN, NAN},
-        .up = {NAN, NAN, NAN}, .fov_deg = NAN, .size = {1280, 720}, .seed = 1};
+        .unit = 1, .up_axis = 1, .frame = -1, .time = NAN, .camera_time = NAN, .eye = {NAN, NAN, NAN},
+        .target = {NAN, NAN, NAN}, .up = {NAN, NAN, NAN}, .fov_deg = NAN, .size = {1280, 720}, .seed = 1};
 }
 
 ssfr_load_options ssfr_stage_load_options(const ssfr_stage_options *options)

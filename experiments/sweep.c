@@ -14,12 +14,16 @@
 
 #include <omp.h>
 
-/* Columns behind the parameters that tell one row from another; the first are there where they are axes. */
-static const char *const axis_keys[] = {"variant", "leave_out", "camera", "view", "frame"};
-static const char *const own_keys[] = {"scene", "pipeline", "backend", "width", "height"};
+/* Columns behind the parameters, of what is an axis. What a variant has of its own does not tell rows apart, the
+ * variant does: it stands behind the status. */
+static const struct {
+    const char *name, *axis;
+} own_columns[] = {{"variant", "variant"},   {"leave_out", "leave_out"}, {"camera", "camera"}, {"view", "view"},
+                   {"frame", "frame"},       {"scene", "scene"},         {"pipeline", "pipeline"},
+                   {"backend", "backend"},   {"width", "size"},          {"height", "size"}};
 
 enum {
-    N_OWN = SSFR_COUNT(own_keys),
+    N_OWN = SSFR_COUNT(own_columns),
     MAX_KEYS = SSFR_MAX_AXES + N_OWN,
     N_SAID = SSFR_N_COLUMNS + SSFR_N_COLUMN_TEXTS, /* columns of every table */
     MAX_COLUMNS = MAX_KEYS + 2 + N_SAID + SSFR_MAX_ADDED,
@@ -34,7 +38,7 @@ typedef struct sweep {
     ssfr_rig *rig;
     ssfr_csv *csv;
     size_t n_runs, group; /* consecutive runs that stay in one shard */
-    int n_keys, n_columns;
+    int n_keys, n_told, n_columns; /* n_told stand behind the status */
     char headers[MAX_COLUMNS][256];
     const char *columns[MAX_COLUMNS];
     struct {
@@ -72,26 +76,44 @@ static bool in_shard(const sweep *s, size_t run)
 }
 
 typedef struct key {
-    const char *cells[MAX_KEYS];
-    char width[16], height[16];
+    const char *cells[MAX_KEYS]; /* n_keys, then n_told */
+    char size[2][16];
 } key;
+
+/* Some variant has one of its own. */
+static bool is_told(const sweep *s, const char *axis)
+{
+    bool found = false;
+    for (int i = 0; i < s->spec->n_variants; i++) found |= ssfr_variant_own(s->spec->variants[i], axis) != NULL;
+    return found;
+}
+
+static bool is_key(const sweep *s, const char *axis)
+{
+    return ssfr_sweep_spec_axis(s->spec, axis) && !is_told(s, axis);
+}
+
+static const char *own_cell(const sweep *s, const size_t index[SSFR_MAX_AXES], size_t column, key *k)
+{
+    const char *name = own_columns[column].name;
+    const char *value = ssfr_sweep_spec_value(s->spec, index, own_columns[column].axis);
+    const bool height = strcmp(name, "height") == 0;
+    int size[2] = {0, 0};
+    if (!height && strcmp(name, "width") != 0) return value ? value : "";
+    ssfr_rig_size(value, size);
+    snprintf(k->size[height], sizeof k->size[height], "%d", size[height]);
+    return k->size[height];
+}
 
 static void fill_key(const sweep *s, const size_t index[SSFR_MAX_AXES], key *k)
 {
-    int n = 0, size[2] = {0, 0};
+    int n = 0;
     for (int i = 0; i < s->spec->n_axes; i++)
         if (ssfr_axis_is_parameter(s->spec->axes[i].key)) k->cells[n++] = s->spec->axes[i].values[index[i]];
-    for (size_t i = 0; i < SSFR_COUNT(axis_keys); i++)
-        if (ssfr_sweep_spec_axis(s->spec, axis_keys[i]))
-            k->cells[n++] = ssfr_sweep_spec_value(s->spec, index, axis_keys[i]);
-    ssfr_rig_size(ssfr_sweep_spec_value(s->spec, index, "size"), size);
-    snprintf(k->width, sizeof k->width, "%d", size[0]);
-    snprintf(k->height, sizeof k->height, "%d", size[1]);
-    k->cells[n++] = ssfr_sweep_spec_value(s->spec, index, "scene");
-    k->cells[n++] = ssfr_sweep_spec_value(s->spec, index, "pipeline");
-    k->cells[n++] = ssfr_sweep_spec_value(s->spec, index, "backend");
-    k->cells[n++] = k->width;
-    k->cells[n++] = k->height;
+    for (size_t i = 0; i < N_OWN; i++)
+        if (is_key(s, own_columns[i].axis)) k->cells[n++] = own_cell(s, index, i, k);
+    for (size_t i = 0; i < N_OWN; i++)
+        if (is_told(s, own_columns[i].axis)) k->cells[n++] = own_cell(s, index, i, k);
 }
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
@@ -135,11 +157,13 @@ static void name_columns(sweep *s)
         const char *name = s->spec->axes[i].key;
         if (ssfr_axis_is_parameter(name)) add_column(s, name, unit_of(s, name));
     }
-    for (size_t i = 0; i < SSFR_COUNT(axis_keys); i++)
-        if (ssfr_sweep_spec_axis(s->spec, axis_keys[i])) add_column(s, axis_keys[i], "1");
-    for (size_t i = 0; i < N_OWN; i++) add_column(s, own_keys[i], "1");
+    for (size_t i = 0; i < N_OWN; i++)
+        if (is_key(s, own_columns[i].axis)) add_column(s, own_columns[i].name, "1");
     s->n_keys = s->n_columns;
     add_column(s, "status", "1");
+    for (size_t i = 0; i < N_OWN; i++)
+        if (is_told(s, own_columns[i].axis)) add_column(s, own_columns[i].name, "1");
+    s->n_told = s->n_columns - s->n_keys - 1;
     for (int i = 0; i < n_said(s); i++) add_column(s, s->meanings[i].name, s->meanings[i].unit);
     if (s->o->published) add_column(s, s->o->published->header, "1");
 }
@@ -161,7 +185,9 @@ static bool has_column(const sweep *s, const char *name)
 {
     bool found = ssfr_sweep_spec_axis(s->spec, name) != NULL;
     for (int i = 0; i < n_said(s); i++) found |= strcmp(s->meanings[i].name, name) == 0;
-    for (size_t i = 0; i < N_OWN; i++) found |= strcmp(own_keys[i], name) == 0;
+    for (size_t i = 0; i < N_OWN; i++)
+        found |= strcmp(own_columns[i].name, name) == 0 &&
+                 (is_key(s, own_columns[i].axis) || is_told(s, own_columns[i].axis));
     return found && strcmp(name, "size") != 0;
 }
 
@@ -199,6 +225,7 @@ static ssfr_result write_row(sweep *s, const key *k, const char *status, const s
     ssfr_result result = SSFR_OK;
     for (int i = 0; i < s->n_keys; i++) SSFR_TRY(ssfr_csv_text(s->csv, k->cells[i]));
     SSFR_TRY(ssfr_csv_text(s->csv, status));
+    for (int i = 0; i < s->n_told; i++) SSFR_TRY(ssfr_csv_text(s->csv, k->cells[s->n_keys + i]));
     for (int i = 0; i < SSFR_N_COLUMNS; i++) SSFR_TRY(ssfr_csv_number(s->csv, row->values[i]));
     for (int i = 0; i < SSFR_N_COLUMN_TEXTS; i++) SSFR_TRY(ssfr_csv_text(s->csv, row->texts[i]));
     for (int i = 0; i < s->spec->against.n_added; i++) SSFR_TRY(ssfr_csv_number(s->csv, row->added[i]));
@@ -290,9 +317,9 @@ static uint64_t hash_truth(uint64_t hash, const sweep *s)
 static uint64_t identity_of(const sweep *s)
 {
     const ssfr_stage_options *v = &s->o->stage;
-    const double view[] = {v->radius, v->unit, v->time, v->camera_time, (double)v->frame, v->scale, v->up_axis, v->fov_deg,
-                           v->eye[0], v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2],
-                           v->up[0], v->up[1], v->up[2]};
+    const double view[] = {v->radius,    v->unit,      v->time,      v->camera_time, (double)v->frame, v->scale,
+                           v->up_axis,   v->fov_deg,   v->eye[0],    v->eye[1],      v->eye[2],        v->target[0],
+                           v->target[1], v->target[2], v->up[0],     v->up[1],       v->up[2]};
     char text[512];
     uint64_t hash = hash_settings(hash_settings(SSFR_HASH, &s->spec->settings), &s->spec->reference);
     hash = hash_meanings(hash, s->spec);
@@ -416,14 +443,17 @@ end:
 static ssfr_result dry_run(sweep *s)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_csv_create(&s->csv, NULL, s->n_keys, s->columns, s->n_keys, false));
+    const char *columns[MAX_KEYS]; /* all but the status */
+    const int n = s->n_keys + s->n_told;
+    for (int i = 0; i < n; i++) columns[i] = s->columns[i < s->n_keys ? i : i + 1];
+    SSFR_TRY(ssfr_csv_create(&s->csv, NULL, n, columns, n, false));
     for (size_t i = 0; i < s->n_runs; i++) {
         size_t index[SSFR_MAX_AXES];
         key k;
         if (!in_shard(s, i)) continue;
         ssfr_sweep_spec_run(s->spec, i, index);
         fill_key(s, index, &k);
-        for (int c = 0; c < s->n_keys; c++) SSFR_TRY(ssfr_csv_text(s->csv, k.cells[c]));
+        for (int c = 0; c < n; c++) SSFR_TRY(ssfr_csv_text(s->csv, k.cells[c]));
         SSFR_TRY(ssfr_csv_end_row(s->csv));
     }
 end:

@@ -55,7 +55,8 @@ static ssfr_result read_settings(const ssfr_yaml_node *node, const ssfr_yaml_row
     for (size_t i = 0; i < node->n; i++) {
         char where[SSFR_YAML_PLACE];
         SSFR_TRY(ssfr_yaml_expect(node->values[i], SSFR_YAML_TEXT));
-        SSFR_TRY(ssfr_settings_add(to, ssfr_yaml_place(node->keys[i], where), node->keys[i]->text, node->values[i]->text));
+        ssfr_yaml_place(node->keys[i], where);
+        SSFR_TRY(ssfr_settings_add(to, where, node->keys[i]->text, node->values[i]->text));
     }
 end:
     return result;

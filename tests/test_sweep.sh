@@ -191,9 +191,15 @@ variants:
   layers: {pipeline: bagar2010, size: 32x24}
 END
 leaves 0 'variants are an axis' sweep variants.yaml --dry-run
-printf '%s\n' base,block,vanderlaan2009,cpu,48,32 few,block,vanderlaan2009,cpu,48,32 \
-    layers,block,bagar2010,cpu,32,24 >wanted
+printf '%s\n' base,block,cpu,vanderlaan2009,48,32 few,block,cpu,vanderlaan2009,48,32 \
+    layers,block,cpu,bagar2010,32,24 >wanted
 that 'whose own pipelines and sizes stand in the rows' [ "$(sed 1d out)" = "$(cat wanted)" ]
+leaves 0 'they are run' sweep variants.yaml $brief -o v.csv
+that 'and what is their own is no key' \
+    [ "$(head -n 1 v.csv | cut -d, -f1-7)" = variant,scene,backend,status,pipeline,width,height ]
+that 'but a cell' [ "$(sed -n 4p v.csv | cut -d, -f1-7)" = layers,block,cpu,ok,bagar2010,32,24 ]
+leaves 0 'by which such a table is gone on with' sweep variants.yaml $brief -o v.csv --resume
+that 'to every row once' [ "$(rows v.csv)" -eq 3 ]
 leaves 0 'some of them can be chosen' sweep variants.yaml --vary variant=few,base --dry-run
 that 'in another order' [ "$(column out variant | tr '\n' ' ')" = 'few base ' ]
 { cat variants.yaml; echo 'against: {variant: base}'; } >wrong.yaml
@@ -206,7 +212,8 @@ refuses 'what a pipeline lacks is no setting of its reference' \
 printf '%s\n' 'added: [ref_depth_rms]' >>held.yaml
 leaves 0 'rows are held against one of them' sweep held.yaml $brief --vary variant=base,few -o h.csv
 that 'in time' [ "$(column h.csv ms_ratio | awk '$1 > 0' | wc -l)" -eq 2 ]
-that 'and in error' [ "$(column h.csv ref_depth_rms_added | awk 'NR == 1 && $1 == 0 || NR == 2 && $1 != 0' | wc -l)" -eq 2 ]
+that 'and in error' \
+    [ "$(column h.csv ref_depth_rms_added | awk 'NR == 1 && $1 == 0 || NR == 2 && $1 != 0' | wc -l)" -eq 2 ]
 that 'which the metadata tell of' \
     [ "$(grep -c '"curvature_flow.iterations": "3"\|"against": {\|"ref_depth_rms_added' h.meta.json)" -eq 3 ]
 leaves 0 'such a table needs no run either' sweep held.yaml $brief --vary variant=base,few -o h.csv --resume
@@ -219,8 +226,9 @@ that 'though less is done' [ "$(column out taps | sort -u | wc -l)" -eq 2 ]
 that 'and all is as it should be' [ "$(column out finite | sort -u)/$(column out bounded | sort -u)" = 1/1 ]
 leaves 0 'pipelines are an axis, frames and cameras too' sweep --vary pipeline=vanderlaan2009,bagar2010 \
     --scene bagar2010/bamboo --camera default,close --frame 3 --dry-run
-that 'with a row each' [ "$(sed -n '2p;5p' out | tr '\n' ' ')" = "$(echo default,3,bagar2010/bamboo,vanderlaan2009,gl,1280,720 \
-    close,3,bagar2010/bamboo,bagar2010,gl,1280,720) " ]
+printf '%s\n' default,3,bagar2010/bamboo,vanderlaan2009,gl,1280,720 \
+    close,3,bagar2010/bamboo,bagar2010,gl,1280,720 >wanted
+that 'with a row each' [ "$(sed -n '2p;5p' out)" = "$(cat wanted)" ]
 { echo 'path: {camera: default, views: 3, frames: follow}'; echo 'scene: bagar2010/bamboo'; } >path.yaml
 leaves 0 'views are those of a path' sweep path.yaml --dry-run
 that 'from its first to its last' [ "$(column out view | tr '\n' ' ')" = '0 1 2 ' ]
@@ -228,7 +236,7 @@ refuses 'a path is of a camera that has one' 'path.yaml:1:1: path: bagar2010/bam
     sweep path.yaml --camera close
 refuses 'who follows it says no frame' 'path: the frames follow the camera: --frame says which, too' \
     sweep path.yaml --frame 3
-rm ./*.yaml h.* wanted
+rm ./*.yaml h.* v.* wanted
 
 # ---- errors, before anything runs ----
 
