@@ -8,7 +8,7 @@
 
 #include <inttypes.h>
 
-static const double slack = 1e-5; /* of a depth or a brightness: images of OpenGL are rounded to floats */
+static const double slack = 1e-3; /* of a depth or a brightness: images may be of half precision, which rounds by 5e-4 */
 
 /* ---- bounds ------------------------------------------------------------------------------------------------------ */
 

@@ -64,7 +64,7 @@ static void the_picture_is_within_what_there_is_to_be_seen(void **state)
 {
     (void)state;
     assert_bounded("color", 3, 0.5, 1.5, true, true);
-    assert_bounded("color", 3, 0.5, 1.501, true, false);
+    assert_bounded("color", 3, 0.5, 1.51, true, false);
     assert_bounded("color", 3, 0.5, 0, true, true);
     assert_bounded("color", 3, 0.5, -0.001, true, false);
     assert_bounded("color", 3, 0.5, NAN, false, false);
