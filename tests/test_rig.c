@@ -402,7 +402,7 @@ static void smoothing_that_is_not_stable_is_not_bounded(void **state)
 {
     (void)state;
     static const char *const axes[] = {"scene=block", "size=64x48", "backend=cpu", "curvature_flow.iterations=100",
-                                       "curvature_flow.limit=1,0", NULL};
+                                       "curvature_flow.unstable=limit,allow", NULL};
     fixture f;
     ssfr_rig_row stable, wild;
     begin(&f, NULL, axes, false);
