@@ -2,6 +2,7 @@
 /* cmd_bench.c: `ssfr bench`: where the time of a frame goes, pass by pass. */
 #include "experiments/bench_flow.h"
 #include "experiments/bench_integrators.h"
+#include "experiments/bench_kernels.h"
 #include "experiments/bench_solver.h"
 #include "experiments/bench_truth.h"
 #include "experiments/columns.h"
@@ -12,6 +13,7 @@
 #include "experiments/measure.h"
 #include "experiments/meta.h"
 #include "experiments/output.h"
+#include "experiments/play.h"
 #include "experiments/setup.h"
 
 typedef struct bench_options {
@@ -57,7 +59,7 @@ static ssfr_result measure(bench *b, const bench_options *options)
     m.nodes = true;
     SSFR_TRY(ssfr_measure_graph(&b->timed, b->setup.graph, &b->stage->scene, &m));
     for (int i = 0; i < b->timed->n_nodes; i++)
-        if (b->timed->nodes[i].n) {
+        if (b->timed->nodes[i].n && !b->timed->reports[i].kept) {
             b->sum += b->timed->nodes[i].median;
             if (*b->timed->reports[i].stage) b->staged += b->timed->nodes[i].median;
         }
@@ -88,7 +90,8 @@ static ssfr_result add_node(ssfr_table *t, const bench *b, int i)
     SSFR_TRY(ssfr_table_add(t, "%s", ssfr_status_text(r->status)));
     SSFR_TRY(ssfr_table_add(t, "%.3f", time->median));
     SSFR_TRY(ssfr_table_add(t, "%.3f", time->mad));
-    SSFR_TRY(ssfr_table_add(t, "%.1f %%", 100 * time->median / b->sum));
+    if (r->kept) SSFR_TRY(ssfr_table_add(t, "-")); /* not of this frame */
+    else SSFR_TRY(ssfr_table_add(t, "%.1f %%", 100 * time->median / b->sum));
     SSFR_TRY(ssfr_table_add(t, "%.1f", r->taps));
     SSFR_TRY(ssfr_table_add(t, "%g", r->iterations));
     SSFR_TRY(ssfr_table_add(t, "%.0f", r->vertices));
@@ -189,7 +192,7 @@ static ssfr_result write_stage(ssfr_csv *csv, const bench *b, const char *stage)
     ssfr_timing time = {.min = NAN, .mad = NAN};
     for (int i = 0; i < b->timed->n_nodes; i++) {
         const ssfr_node_report *r = &b->timed->reports[i];
-        if (strcmp(r->stage, stage) != 0 || r->status != SSFR_RAN) continue;
+        if (strcmp(r->stage, stage) != 0 || r->status != SSFR_RAN || r->kept) continue;
         time.n = b->timed->nodes[i].n, time.median += b->timed->nodes[i].median;
         whole.taps += r->taps, whole.iterations += r->iterations, whole.vertices += r->vertices;
         whole.bytes += r->bytes, whole.tiles += r->tiles, whole.unstable += r->unstable;
@@ -240,8 +243,11 @@ end:
 static ssfr_result write_csv(bench *b)
 {
     ssfr_result result = SSFR_OK;
-    for (int i = 0; i < b->timed->n_nodes; i++)
-        SSFR_TRY(write_row(b->csv, b, &b->timed->reports[i], &b->timed->nodes[i], b->timed->nodes[i].median / b->sum));
+    for (int i = 0; i < b->timed->n_nodes; i++) {
+        const ssfr_node_report *node = &b->timed->reports[i];
+        const ssfr_timing *time = &b->timed->nodes[i];
+        SSFR_TRY(write_row(b->csv, b, node, time, node->kept ? NAN : time->median / b->sum));
+    }
     SSFR_TRY(write_stages(b->csv, b));
     SSFR_TRY(write_frame(b->csv, b, "(frame)", b->frame));
     SSFR_TRY(write_frame(b->csv, b, "(frame while timed)", b->timed));
@@ -279,6 +285,7 @@ int ssfr_cmd_bench(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "truth") == 0) return ssfr_bench_truth(argc, argv);
     if (argc > 1 && strcmp(argv[1], "flow") == 0) return ssfr_bench_flow(argc, argv);
     if (argc > 1 && strcmp(argv[1], "integrators") == 0) return ssfr_bench_integrators(argc, argv);
+    if (argc > 1 && strcmp(argv[1], "kernels") == 0) return ssfr_bench_kernels(argc, argv);
     ssfr_result result = SSFR_OK;
     bench_options options = {.scene = "splash"};
     ssfr_setup_options setup_options;
@@ -289,27 +296,31 @@ int ssfr_cmd_bench(int argc, char **argv)
         {"bench", rows, &options},
         {"what runs", ssfr_setup_rows + 1, &setup_options}, /* the pipeline is an argument */
         SSFR_STAGE_SETS(&stage_options),
+        SSFR_PLAY_SET(&stage_options),
         {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0],
-        .arguments = "[PIPELINE|solver|truth|integrators|flow]",
+        .arguments = "[PIPELINE|solver|truth|integrators|flow|kernels]",
         .max_arguments = 1,
         .sets = sets,
         .help = "Times a pipeline (default vanderlaan2009), pass by pass: medians, work, and how far each "
                 "is from the time that moving its bytes takes. 'ssfr bench solver --help' tells of the simulator's, "
                 "'ssfr bench truth --help' of ray casting's, "
                 "'ssfr bench integrators --help' of integrals along rays, "
-                "'ssfr bench flow --help' of how wide the curvature flows smooth."};
+                "'ssfr bench flow --help' of how wide the curvature flows smooth, "
+                "'ssfr bench kernels --help' of roots and splats."};
     ssfr_setup_defaults(&setup_options);
     ssfr_stage_defaults(&stage_options);
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
     if (line.help) goto end;
     stage_options.seed = (uint64_t)line.seed;
+    SSFR_TRY(ssfr_play_check(&stage_options));
     if (line.arguments.n) setup_options.pipeline = line.arguments.items[0];
     SSFR_TRY(ssfr_setup_init(&b.setup, &setup_options, NULL));
     SSFR_TRY(ssfr_stage_create(&b.stage, options.scene, &stage_options));
     SSFR_TRY(ssfr_setup_scene(&b.setup, &setup_options, b.stage->description));
     SSFR_TRY(import_background(&b));
+    SSFR_TRY(ssfr_play(b.setup.graph, b.stage, &stage_options, -1));
     if (options.output) SSFR_TRY(open_csv(&b, options.output));
     SSFR_TRY(measure(&b, &options));
     SSFR_TRY(print(&b));

@@ -4,6 +4,7 @@
 #include "experiments/console.h"
 #include "experiments/frame_file.h"
 #include "experiments/output.h"
+#include "experiments/play.h"
 
 typedef struct render_options {
     const char *output, *dump, *background, *frames;
@@ -97,13 +98,15 @@ end:
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
-static ssfr_result draw_numbered(const render *r, long frame)
+/* since: the frame drawn before, -1 for none. */
+static ssfr_result draw_numbered(const render *r, long frame, long since)
 {
     ssfr_result result = SSFR_OK;
     char *output = NULL, *dump = NULL;
     if (r->o->output) SSFR_TRY(ssfr_sequence_path(r->o->output, frame, &output));
     if (r->o->dump) SSFR_TRY(ssfr_sequence_path(r->o->dump, frame, &dump));
     SSFR_TRY(ssfr_stage_show(r->stage, r->stage_options, frame));
+    SSFR_TRY(ssfr_play(r->setup.graph, r->stage, r->stage_options, since));
     SSFR_TRY(draw(r, output, dump));
 end:
     free(output);
@@ -123,7 +126,7 @@ static ssfr_result draw_frames(const render *r)
     SSFR_TRY(prepare(r));
     for (size_t i = 0; i < n; i++) {
         ssfr_console_progress("render", i, n);
-        SSFR_TRY(draw_numbered(r, frames[i]));
+        SSFR_TRY(draw_numbered(r, frames[i], i ? frames[i - 1] : -1));
     }
 end:
     ssfr_console_progress("render", n, n);
@@ -136,6 +139,7 @@ static ssfr_result draw_one(const render *r)
     ssfr_result result = SSFR_OK;
     SSFR_TRY(ssfr_stage_show(r->stage, r->stage_options, -1));
     SSFR_TRY(prepare(r));
+    SSFR_TRY(ssfr_play(r->setup.graph, r->stage, r->stage_options, -1));
     SSFR_TRY(draw(r, r->o->output, r->o->dump));
 end:
     return result;
@@ -152,6 +156,7 @@ int ssfr_cmd_render(int argc, char **argv)
     const ssfr_option_set sets[] = {{"render", rows, &options},
                                     {"what runs", ssfr_setup_rows, &setup_options},
                                     SSFR_STAGE_SETS(&stage_options),
+                                    SSFR_PLAY_SET(&stage_options),
                                     {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0], .arguments = "SCENE -o FILE|--dump DIR", .min_arguments = 1, .max_arguments = 1,
@@ -165,6 +170,7 @@ int ssfr_cmd_render(int argc, char **argv)
     if (line.help) goto end;
     stage_options.seed = (uint64_t)line.seed;
     SSFR_TRY(check(&options));
+    SSFR_TRY(ssfr_play_check(&stage_options));
     SSFR_TRY(ssfr_setup_init(&r.setup, &setup_options, NULL));
     SSFR_TRY(ssfr_stage_open(&r.stage, line.arguments.items[0], &stage_options));
     SSFR_TRY(ssfr_setup_scene(&r.setup, &setup_options, r.stage->description));

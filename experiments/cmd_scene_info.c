@@ -136,8 +136,8 @@ static ssfr_result add_classes(ssfr_table *table, const ssfr_particles *p)
     snprintf(what, sizeof what, "foam up to %d neighbours", t_foam);
     SSFR_TRY(add_share(table, what, (double)counts[SSFR_CLASS_FOAM], (double)p->n));
     if (!p->velocity) goto end;
-    SSFR_TRY(ssfr_weber_create(&weber, NULL, 0));
-    SSFR_TRY(ssfr_weber_step(weber, p, 0, foam, NULL));
+    SSFR_TRY(ssfr_weber_create(&weber, NULL));
+    SSFR_TRY(ssfr_weber_step(weber, p, 0, foam, NULL, NULL));
     for (size_t i = 0; i < p->n; i++) sum += (double)foam[i];
     SSFR_TRY(add_share(table, "foam by Weber number", sum, (double)p->n));
 end:

@@ -3,6 +3,7 @@
 #include "experiments/command.h"
 #include "experiments/options.h"
 #include "experiments/output.h"
+#include "experiments/play.h"
 #include "experiments/sweep.h"
 
 typedef struct sweep_words {
@@ -104,7 +105,7 @@ int ssfr_cmd_sweep(int argc, char **argv)
     ssfr_published *published = NULL;
     ssfr_command_line line;
     const ssfr_option_set sets[] = {
-        {"sweep", rows, &words}, SSFR_STAGE_SETS(&options.stage), {NULL, NULL, NULL}};
+        {"sweep", rows, &words}, SSFR_STAGE_SETS(&options.stage), SSFR_PLAY_SET(&options.stage), {NULL, NULL, NULL}};
     const ssfr_usage usage = {
         .command = argv[0],
         .arguments = "[SPEC.yaml|-]",
@@ -116,6 +117,7 @@ int ssfr_cmd_sweep(int argc, char **argv)
     SSFR_TRY(ssfr_options_parse(&line, &usage, argc, argv));
     if (line.help) goto end;
     SSFR_TRY(check(&words, &line.arguments));
+    SSFR_TRY(ssfr_play_check(&options.stage));
     SSFR_TRY(parse_shard(words.shard, &options));
     options.stage.seed = (uint64_t)line.seed;
     options.output = words.output, options.max_time = words.max_time;

@@ -130,8 +130,8 @@ static ssfr_result summarise(ssfr_measured *m, const samples *s, const ssfr_repo
         const ssfr_node_report *node = &report->nodes[i];
         const bool timed = node->status == SSFR_RAN && isfinite(node->ms);
         m->reports[i] = *node;
-        m->nodes[i] = ssfr_timing_of(s->values + 1 + i, s->stride, timed ? s->n : 0, work);
-        if (node->status != SSFR_RAN) continue;
+        m->nodes[i] = ssfr_timing_of(s->values + 1 + i, s->stride, !timed ? 0 : node->kept ? 1 : s->n, work);
+        if (node->status != SSFR_RAN || node->kept) continue;
         m->taps += node->taps;
         m->iterations += node->iterations;
         m->vertices += node->vertices;

@@ -2,6 +2,7 @@
 /* rig.c: one run of a sweep: set, measure, compare with the twin, with the reference and with another row. */
 #include "experiments/rig.h"
 #include "experiments/inspect.h"
+#include "experiments/play.h"
 #include "experiments/setup.h"
 #include "experiments/shot.h"
 
@@ -369,6 +370,7 @@ static ssfr_result measure(ssfr_rig *rig, cached *c, ssfr_graph *graph, const si
         SSFR_TRY(sit(rig, &rig->base, base));
         subjects[1] = (ssfr_subject){graph == rig->own.gl ? rig->base.gl : rig->base.cpu, keeps_all(rig, base)};
         SSFR_TRY(set_parameters(rig, subjects[1].graph, base));
+        SSFR_TRY(ssfr_play(subjects[1].graph, rig->stage, &rig->o->stage, -1));
     }
     SSFR_TRY(ssfr_measure_subjects(measured, &c->paired, pair ? 2 : 1, subjects, &rig->stage->scene,
                                    &rig->o->measure));
@@ -398,6 +400,7 @@ static ssfr_result ensure_frame(ssfr_rig *rig, seat *s, bool on_gpu, const size_
     if (holds(c, rig, index) && (c->measured || !measured)) return SSFR_OK;
     forget(c);
     SSFR_TRY(set_parameters(rig, graph, index));
+    SSFR_TRY(ssfr_play(graph, rig->stage, &rig->o->stage, -1));
     SSFR_TRY(measured ? measure(rig, c, graph, index) : ssfr_graph_run(graph, &rig->stage->scene, &run));
     SSFR_TRY(take(rig, &c->shot, graph, s->outfit.pipeline));
     if (measured) SSFR_TRY(inspect(rig, c, graph, index));
@@ -431,6 +434,7 @@ static ssfr_result ensure_reference(ssfr_rig *rig, const size_t index[SSFR_MAX_A
         SSFR_TRY(cast_truth(rig, index));
     } else {
         SSFR_TRY(sit_reference(rig, index));
+        SSFR_TRY(ssfr_play(rig->reference, rig->stage, &rig->o->stage, -1));
         SSFR_TRY(ssfr_graph_run(rig->reference, &rig->stage->scene, NULL));
         SSFR_TRY(take(rig, &c->shot, rig->reference, rig->of_reference_graph.pipeline));
     }

@@ -192,6 +192,19 @@ end:
     return result;
 }
 
+ssfr_result ssfr_stage_read(const ssfr_stage *stage, const ssfr_stage_options *options, long frame,
+                            ssfr_particles **fluid)
+{
+    const ssfr_result result = load_made(stage, frame, false, fluid);
+    if (result == SSFR_OK && options->radius > 0) (*fluid)->radius = options->radius;
+    return result;
+}
+
+double ssfr_stage_time(const ssfr_stage *stage, long frame)
+{
+    return stage->description ? (double)frame / stage->description->frame_rate : NAN;
+}
+
 /* Those that are drawn, where they are now; how many. */
 static int place_solids(ssfr_stage *stage)
 {
@@ -226,7 +239,7 @@ ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options
     stage->particles = fluid;
     stage->foam = foam;
     stage->frame = frame;
-    if (stage->description) stage->time = (double)frame / stage->description->frame_rate;
+    stage->time = ssfr_stage_time(stage, frame);
     stage->scene = (ssfr_scene){.particles = stage->particles,
                                 .solids = stage->solids,
                                 .n_solids = place_solids(stage),

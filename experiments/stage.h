@@ -23,6 +23,7 @@ typedef struct ssfr_stage_options {
     double fov_deg; /* full vertical angle; NaN: the scene's, else 45 */
     int size[2];    /* px */
     uint64_t seed;  /* of the scenes that are made by code or simulated */
+    const char *play; /* how many frames before a drawn one are played, see play.h; NULL: as many as matter */
 } ssfr_stage_options;
 
 /* The rows of a command that takes a SCENE, for its values in an ssfr_stage_options that starts from the defaults. */
@@ -68,6 +69,12 @@ SSFR_MUST ssfr_result ssfr_stage_find_frame(const ssfr_stage *stage, const ssfr_
 
 /* Shows another frame, of those in `frames`; -1: that which the options name. */
 SSFR_MUST ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options, long frame);
+
+/* The fluid of a frame before the one shown of a described scene, which stays the one shown. */
+SSFR_MUST ssfr_result ssfr_stage_read(const ssfr_stage *stage, const ssfr_stage_options *options, long frame,
+                                      ssfr_particles **fluid);
+/* When a frame of a described scene is, s; NaN of others. */
+double ssfr_stage_time(const ssfr_stage *stage, long frame);
 
 /* The frames of a range; fails for a scene of one picture. To free(). */
 SSFR_MUST ssfr_result ssfr_stage_choose(const ssfr_stage *stage, const ssfr_frame_range *range, size_t *n,

@@ -330,6 +330,7 @@ static uint64_t identity_of(const sweep *s)
     hash = ssfr_hash_bytes(hash, view, sizeof view);
     if (s->o->published) hash = ssfr_published_hash(s->o->published, hash);
     hash = ssfr_hash_text(ssfr_hash_text(hash, v->camera ? v->camera : ""), v->map ? v->map : "");
+    hash = ssfr_hash_text(hash, v->play ? v->play : "");
     ssfr_meta_processor(text, sizeof text);
     hash = ssfr_hash_text(hash, text);
     return s->gl ? ssfr_hash_text(ssfr_hash_text(hash, ssfr_gl_renderer(s->gl)), ssfr_gl_version(s->gl)) : hash;

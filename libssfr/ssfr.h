@@ -237,7 +237,7 @@ typedef enum ssfr_phase {
 
 enum {
     SSFR_TRANSITION_TIME,  /* foam values rise and fall in time (listings A.1, A.2) */
-    SSFR_TRANSITION_WEBER, /* they are linear in the Weber number around the threshold (the text); no state */
+    SSFR_TRANSITION_WEBER, /* they are linear in the Weber number around the threshold (the text) */
 };
 
 enum {
@@ -255,6 +255,8 @@ typedef struct ssfr_weber_params {
     double fade_in_min, fade_in_max;           /* s, a particle takes a random time between these to turn to foam */
     double lifetime;                           /* s, and this to turn back, */
     double lifetime_share_min, lifetime_share_max; /* times a random number between these */
+    int lag;  /* frames that foam is late, 0 or 1: a step tells what the last one found, and that who is new is water */
+    int seed; /* of the random numbers, from 0 */
 } ssfr_weber_params;
 
 SSFR_API ssfr_weber_params ssfr_weber_defaults(void);
@@ -264,15 +266,17 @@ SSFR_API ssfr_weber_params ssfr_weber_defaults(void);
 typedef struct ssfr_weber ssfr_weber;
 
 /* params NULL: the defaults. */
-SSFR_API SSFR_MUST ssfr_result ssfr_weber_create(ssfr_weber **out, const ssfr_weber_params *params, uint64_t seed);
+SSFR_API SSFR_MUST ssfr_result ssfr_weber_create(ssfr_weber **out, const ssfr_weber_params *params);
 SSFR_API void ssfr_weber_destroy(ssfr_weber **weber);
 
 /* Advances to the next frame, dt (s, from 0) after the last; the first call's dt has no meaning. Fills foam[n], in
- * [0, 1], and phase[n] (ssfr_phase); each may be NULL. Particles that were not in the last frame are new. Needs
- * velocity and density, and from the second frame on id (a frame without ids is the last). As in the listings a
- * particle takes one turn a call, and fades that began go on to their end. A call that fails changes no state. */
+ * [0, 1], lifetime[n] (s, since the particle last began to turn to foam; 0 for water) and phase[n] (ssfr_phase); each
+ * may be NULL. Particles that were not in the last frame are new. What the first frame implies to be foam is so since a
+ * random time. Needs velocity and density, and from the second frame on id (a frame without ids is the last). As in the
+ * listings a particle takes one turn a call, and fades that began go on to their end. A call that fails changes no
+ * state. */
 SSFR_API SSFR_MUST ssfr_result ssfr_weber_step(ssfr_weber *weber, const ssfr_particles *particles, double dt,
-                                               float *foam, unsigned char *phase);
+                                               float *foam, float *lifetime, unsigned char *phase);
 SSFR_API size_t ssfr_weber_bytes(const ssfr_weber *weber); /* memory held */
 
 /* The threshold that makes a share of the particles foam: the least Weber number among the largest that are as many,
@@ -464,6 +468,12 @@ SSFR_API SSFR_MUST ssfr_result ssfr_graph_run(ssfr_graph *graph, const ssfr_scen
 /* Plays a frame that is not drawn: runs the nodes that compute values of particles, so that those that keep something
  * from frame to frame have seen it. There is nothing to read until the next run. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_advance(ssfr_graph *graph, const ssfr_scene *scene);
+/* How long before the scene's frame those begin that should be played first, s: as far back as matters to what nodes
+ * that are read keep from frame to frame; one more may matter to what lags. Below 0: none, because no node keeps
+ * anything, the scene is not timed, or they have all run for this frame. */
+SSFR_API double ssfr_graph_history(ssfr_graph *graph, const ssfr_scene *scene);
+/* What nodes keep from frame to frame is forgotten: the next frame has none before it. */
+SSFR_API void ssfr_graph_restart(ssfr_graph *graph);
 
 /* A slot of the last frame as a new field. A slot that was left out gives a 1x1 field of its neutral value. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_read(const ssfr_graph *graph, const char *slot, ssfr_field **out);
@@ -492,7 +502,8 @@ typedef struct ssfr_node_report {
     const char *stage;   /* of the frame, as the paper divides it; "" for none */
     ssfr_node_status status;
     const char *why;     /* one line; "" when it ran */
-    double ms;           /* GPU time by timestamps, or the twin's wall time; NaN without timing */
+    bool kept;           /* values of particles: of an earlier run, for the same particles and time; `ms` is its time */
+    double ms;           /* GPU time by timestamps, or the wall time of what runs on the CPU; NaN without timing */
     double bytes;        /* fewest bytes the pass must move */
     double taps;         /* image samples or particles a written pixel */
     double iterations;   /* sweeps over the image */

@@ -17,3 +17,15 @@ vec3 eye_position(int i)
     vec3 p = vec3(positions[at], positions[at + 1], positions[at + 2]);
     return offsets[i / PACKET].xyz + eye_from_world(p);
 }
+
+#ifdef CENTRE
+uniform sampler2D t_foam_depth;
+flat out vec2 v_seen; // m, eye-space z of the centre and of the foam there
+
+// The foam where a centre is seen: outside the image at its nearest pixel; a centre before the near plane as if in it.
+vec2 see_foam(vec3 c)
+{
+    vec2 at = 0.5 * frame.image.xy + vec2(c.x, -c.y) / max(-c.z, frame.horizon.w) / frame.image.zw;
+    return vec2(c.z, fetch(t_foam_depth, ivec2(clamp(at, vec2(0), frame.image.xy))).x);
+}
+#endif

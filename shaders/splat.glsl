@@ -21,6 +21,9 @@ uniform float u_max_point_px;
 #ifdef PARTICLE
 flat in uint v_particle;
 #endif
+#ifndef EXACT
+#include "root.glsl"
+#endif
 
 struct Fragment {
     vec2 at;     // place on the sprite, right and down, in radii
@@ -56,7 +59,7 @@ Fragment meet_sphere()
     float side = min(2.0 * max(v_disc.z, v_disc.w) + 2.0, u_max_point_px);
     if (2.0 * max(abs(away.x), abs(away.y)) > side) discard;
 #endif
-    float rise = RADIUS * sqrt(1.0 - f.r2);
+    float rise = RADIUS * root(1.0 - f.r2);
     f.front = v_z + rise;
     f.back = v_z - rise;
     f.chord = 2.0 * rise;

@@ -26,10 +26,6 @@ flat out float v_radius; // m
 #ifdef SPARE_FOAM
 layout(std430, binding = 5) readonly buffer Foam { float foam[]; }; // after the sizes
 #endif
-#ifdef CENTRE
-uniform sampler2D t_foam_depth;
-flat out vec2 v_seen; // m, eye-space z of the centre and of the foam there
-#endif
 
 #ifdef EXACT
 // Tangents from the eye to the sphere's circle in the plane of one image axis, px; the whole image when it has none.
@@ -93,9 +89,7 @@ void main()
     keep = keep && !(foam[min(i, foam.length() - 1)] > 0.0);
 #endif
 #ifdef CENTRE
-    // Outside the image at its nearest pixel; a centre before the near plane as if in it.
-    vec2 at = 0.5 * image + vec2(c.x, -c.y) / max(-c.z, frame.horizon.w) / frame.image.zw;
-    v_seen = vec2(c.z, fetch(t_foam_depth, ivec2(clamp(at, vec2(0), image))).x);
+    v_seen = see_foam(c);
 #endif
     if (!keep) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // outside of all that is drawn
 }

@@ -8,6 +8,7 @@ flat in vec2 v_half;   // m, half axes; the second is the radius
 #ifdef PARTICLE
 flat in uint v_particle;
 #endif
+#include "root.glsl"
 
 struct Fragment {
     vec2 at;     // place on the quad, along and across, in half axes
@@ -29,7 +30,7 @@ Fragment meet_quad()
     f.at = vec2(dot(p, v_along), dot(p, v_across)) / v_half;
     f.r2 = dot(f.at, f.at);
     if (!(t >= near && f.r2 <= 1.0)) discard; // of planes along the ray nothing is met: comparisons with NaN fail
-    float rise = v_half.y * sqrt(1.0 - f.r2);
+    float rise = v_half.y * root(1.0 - f.r2);
     f.front = -t + rise;
     f.back = -t - rise;
     f.chord = 2.0 * rise;

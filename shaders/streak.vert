@@ -1,6 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
 // streak.vert: a particle as a quad along its velocity (Bagar 2010, listing A.10), or as a square on the screen.
+// Under CENTRE the foam is looked up where the particle's centre is seen.
 #include "common.glsl"
 #include "particles.glsl"
 
@@ -65,6 +66,9 @@ void main()
     v_half = vec2(turn(i, v_centre) ? u_stretch : 1.0, 1.0) * (u_radius * size);
 #ifdef PARTICLE
     v_particle = uint(i);
+#endif
+#ifdef CENTRE
+    v_seen = see_foam(v_centre);
 #endif
     // A pixel wider, for the ellipse to have all its pixels. Clipped between the near plane, where fragments end, and
     // the eye: w + z >= 0.

@@ -97,10 +97,10 @@ static void other_particles_of_the_same_number_cost_one_upload(void **state)
     test_scene_destroy(&other);
 }
 
-/* Foam and sizes from densities, in the usual scene. */
+/* Foam and sizes from densities, in the usual scene; and a table. */
 static const ssfr_pipeline foamy = {
     .name = "foamy", .source = "test", .help = "test", .result = SSFR_SLOT_fluid_depth,
-    .nodes = {{"weber_foam", .settings = {"threshold=500"}}, {"sparse"}, {"sphere_depth"}},
+    .nodes = {{"weber_foam", .settings = {"threshold=500"}}, {"sparse"}, {"sphere_depth", .settings = {"root=ramp"}}},
 };
 
 static void give_quantities(test_scene *s)
@@ -277,7 +277,7 @@ static ssfr_result compute_all(ssfr_weber *weber, ssfr_particles *p)
     SSFR_TRY(ssfr_particles_complete(p, NULL));
     SSFR_TRY(ssfr_particles_anisotropy(p, NULL, centre, shape));
     SSFR_TRY(ssfr_weber_threshold(p, NULL, 0.1, &threshold));
-    SSFR_TRY(ssfr_weber_step(weber, p, 0.1, foam, NULL));
+    SSFR_TRY(ssfr_weber_step(weber, p, 0.1, foam, NULL, NULL));
 end:
     return result;
 }
@@ -295,7 +295,7 @@ static void running_out_while_particles_are_measured_is_an_error(void **state)
     ssfr_particles *particles = NULL;
     assert_int_equal(ssfr_particles_create(&particles, 600, positions, &given), SSFR_OK);
     ssfr_weber *first = NULL;
-    assert_int_equal(ssfr_weber_create(&first, NULL, 0), SSFR_OK);
+    assert_int_equal(ssfr_weber_create(&first, NULL), SSFR_OK);
     assert_int_equal(compute_all(first, particles), SSFR_OK);
     ssfr_weber_destroy(&first);
     const long live = n_live;
@@ -304,14 +304,14 @@ static void running_out_while_particles_are_measured_is_an_error(void **state)
     for (int n = 0; failed; n++) {
         ssfr_weber *weber = NULL;
         start_counting(n);
-        ssfr_result result = ssfr_weber_create(&weber, NULL, 0);
+        ssfr_result result = ssfr_weber_create(&weber, NULL);
         if (result == SSFR_OK) result = compute_all(weber, particles);
         else assert_null(weber);
         failed = stop_counting() > n;
         n_failed += failed;
         if (failed) assert_failed_once(result);
         ssfr_weber *again = NULL;
-        if (!weber) assert_int_equal(ssfr_weber_create(&again, NULL, 0), SSFR_OK);
+        if (!weber) assert_int_equal(ssfr_weber_create(&again, NULL), SSFR_OK);
         assert_int_equal(compute_all(weber ? weber : again, particles), SSFR_OK);
         ssfr_weber_destroy(&weber);
         ssfr_weber_destroy(&again);

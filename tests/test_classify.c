@@ -29,16 +29,25 @@ static ssfr_particles *frame(size_t n, const uint32_t *ids, const double *speeds
     return particles;
 }
 
-static ssfr_weber *create(const ssfr_weber_params *params, uint64_t seed)
+static ssfr_weber *create(const ssfr_weber_params *params, int seed)
 {
+    ssfr_weber_params own = params ? *params : ssfr_weber_defaults();
     ssfr_weber *weber = NULL;
-    assert_int_equal(ssfr_weber_create(&weber, params, seed), SSFR_OK);
+    own.seed = seed;
+    assert_int_equal(ssfr_weber_create(&weber, &own), SSFR_OK);
     return weber;
+}
+
+static ssfr_weber_params at_once(void)
+{
+    ssfr_weber_params params = ssfr_weber_defaults();
+    params.lag = 0;
+    return params;
 }
 
 static ssfr_weber_params started_as_water(void)
 {
-    ssfr_weber_params params = ssfr_weber_defaults();
+    ssfr_weber_params params = at_once();
     params.start = SSFR_START_WATER;
     return params;
 }
@@ -47,7 +56,7 @@ static ssfr_weber_params started_as_water(void)
 static const double slow = 1.37, fast = 1.39;
 
 typedef struct outcome {
-    double foam;
+    double foam, lifetime; /* 1, s */
     int phase;
 } outcome;
 
@@ -55,11 +64,11 @@ typedef struct outcome {
 static outcome step_one(ssfr_weber *weber, uint32_t id, double speed, double dt)
 {
     ssfr_particles *p = frame(1, &id, &speed);
-    float foam = -1;
+    float foam = -1, lifetime = -1;
     unsigned char phase = 99;
-    assert_int_equal(ssfr_weber_step(weber, p, dt, &foam, &phase), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(weber, p, dt, &foam, &lifetime, &phase), SSFR_OK);
     ssfr_particles_destroy(&p);
-    return (outcome){(double)foam, phase};
+    return (outcome){(double)foam, (double)lifetime, phase};
 }
 
 /* ---- a particle's phases ----------------------------------------------------------------------------------------- */
@@ -134,7 +143,7 @@ static void a_lone_frame_is_in_the_phase_of_its_weber_numbers(void **state)
     ssfr_particles *p = frame(3, ids, speeds);
     float foam[3];
     unsigned char phase[3];
-    assert_int_equal(ssfr_weber_step(weber, p, 0, foam, phase), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(weber, p, 0, foam, NULL, phase), SSFR_OK);
     for (size_t i = 0; i < 3; i++) {
         assert_true(foam[i] == (p->id[i] == 30 ? 1.0f : 0.0f));
         assert_int_equal(phase[i], p->id[i] == 30 ? SSFR_PHASE_FOAM : SSFR_PHASE_WATER);
@@ -143,7 +152,7 @@ static void a_lone_frame_is_in_the_phase_of_its_weber_numbers(void **state)
     ssfr_weber_destroy(&weber);
     weber = create(NULL, 0);
     p = frame(3, NULL, speeds); /* which needs no ids */
-    assert_int_equal(ssfr_weber_step(weber, p, 0, foam, NULL), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(weber, p, 0, foam, NULL, NULL), SSFR_OK);
     assert_true(foam[0] + foam[1] + foam[2] == 1);
     ssfr_particles_destroy(&p);
     ssfr_weber_destroy(&weber);
@@ -152,18 +161,56 @@ static void a_lone_frame_is_in_the_phase_of_its_weber_numbers(void **state)
 static void what_appears_later_begins_as_water(void **state)
 {
     (void)state;
-    ssfr_weber *weber = create(NULL, 2385);
+    const ssfr_weber_params params = at_once();
+    ssfr_weber *weber = create(&params, 2385);
     assert_int_equal(step_one(weber, 7, fast, 0).phase, SSFR_PHASE_FOAM);
     assert_int_equal(step_one(weber, 8, fast, 0.1).phase, SSFR_PHASE_WATER_TO_FOAM); /* 7 is gone */
     assert_int_equal(step_one(weber, 7, fast, 0.1).phase, SSFR_PHASE_WATER_TO_FOAM); /* and was forgotten */
     ssfr_particles *none = frame(0, NULL, NULL);
-    assert_int_equal(ssfr_weber_step(weber, none, 0.1, NULL, NULL), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(weber, none, 0.1, NULL, NULL, NULL), SSFR_OK);
     assert_int_equal(step_one(weber, 7, slow, 0.1).phase, SSFR_PHASE_WATER);
     ssfr_weber_destroy(&weber);
-    weber = create(NULL, 2385);
-    assert_int_equal(ssfr_weber_step(weber, none, 0, NULL, NULL), SSFR_OK); /* a sequence that begins empty */
+    weber = create(&params, 2385);
+    assert_int_equal(ssfr_weber_step(weber, none, 0, NULL, NULL, NULL), SSFR_OK); /* a sequence that begins empty */
     assert_int_equal(step_one(weber, 7, fast, 0.1).phase, SSFR_PHASE_WATER_TO_FOAM);
     ssfr_particles_destroy(&none);
+    ssfr_weber_destroy(&weber);
+}
+
+static void a_lifetime_counts_from_the_turn_to_foam(void **state)
+{
+    (void)state;
+    const ssfr_weber_params params = started_as_water();
+    const double dt = 0.03;
+    ssfr_weber *weber = create(&params, 2385);
+    assert_close(step_one(weber, 7, slow, dt).lifetime, 0, 0, 0);
+    outcome o = step_one(weber, 7, fast, dt);
+    assert_true(o.phase == SSFR_PHASE_WATER_TO_FOAM && o.lifetime == 0);
+    double time = 0, fade = 0;
+    for (int turn = 0; turn < 100 && o.phase != SSFR_PHASE_WATER; turn++) {
+        o = step_one(weber, 7, turn < 20 ? fast : slow, dt);
+        time += dt;
+        assert_close(o.lifetime, o.phase == SSFR_PHASE_WATER ? 0 : time, 1e-6, 0);
+        if (o.phase != SSFR_PHASE_WATER_TO_FOAM) continue;
+        if (fade == 0) fade = o.lifetime / o.foam;
+        assert_close(o.foam, o.lifetime / fade, 1e-5, 0); /* both are linear in time */
+    }
+    assert_true(o.phase == SSFR_PHASE_WATER && time > 1 && fade > 0.25);
+    step_one(weber, 7, fast, dt);
+    assert_close(step_one(weber, 7, fast, dt).lifetime, dt, 1e-7, 0); /* a second turn counts anew */
+    ssfr_weber_destroy(&weber);
+}
+
+static void by_the_text_a_lifetime_is_that_of_a_number_over_the_band(void **state)
+{
+    (void)state;
+    ssfr_weber_params params = started_as_water();
+    params.transition = SSFR_TRANSITION_WEBER;
+    params.threshold = 1000, params.band = 0.2;
+    ssfr_weber *weber = create(&params, 0);
+    const double numbers[] = {900, 850, 2000, 799, 801, 1e4}, lifetimes[] = {0, 0.1, 0.2, 0, 0, 0.1};
+    for (size_t i = 0; i < SSFR_COUNT(numbers); i++)
+        assert_close(step_one(weber, 7, sqrt(numbers[i] / 1000), 0.1).lifetime, lifetimes[i], 1e-7, 0);
     ssfr_weber_destroy(&weber);
 }
 
@@ -199,7 +246,7 @@ static void play(int stride, int threads, bool (*keep)(uint32_t, int), float foa
             ids[n] = id, speeds[n++] = speed_of(id, f);
         }
         ssfr_particles *p = frame(n, ids, speeds);
-        assert_int_equal(ssfr_weber_step(weber, p, 0.11, values, phases), SSFR_OK);
+        assert_int_equal(ssfr_weber_step(weber, p, 0.11, values, NULL, phases), SSFR_OK);
         for (size_t i = 0; i < n && f == FRAMES - 1; i++) foam[p->id[i]] = values[i], phase[p->id[i]] = phases[i];
         ssfr_particles_destroy(&p);
     }
@@ -239,8 +286,101 @@ static void order_and_threads_change_no_bit(void **state)
         if (i % 3) assert_true(foam[3][i] == foam[0][i] && phase[3][i] == phase[0][i]);
 }
 
+static double mean(const double *values, size_t n)
+{
+    double sum = 0;
+    for (size_t i = 0; i < n; i++) sum += values[i];
+    return sum / (double)n;
+}
+
+enum { TOLD = 3 };
+
+/* What three numbers a particle had in a frame: foam, lifetime and phase; NaN where it was not there. */
+typedef double told[N][TOLD];
+
+/* Plays the sequence of coming_and_going. */
+static void play_told(int transition, int start, int lag, told frames[FRAMES])
+{
+    ssfr_weber_params params = ssfr_weber_defaults();
+    params.transition = transition, params.start = start, params.lag = lag;
+    ssfr_weber *weber = create(&params, 7);
+    for (int f = 0; f < FRAMES; f++) {
+        static float foam[N], lifetime[N];
+        static unsigned char phase[N];
+        uint32_t ids[N];
+        double speeds[N];
+        size_t n = 0;
+        for (uint32_t id = 0; id < N; id++) {
+            for (int k = 0; k < TOLD; k++) frames[f][id][k] = NAN;
+            if (coming_and_going(id, f)) ids[n] = id, speeds[n++] = speed_of(id, f);
+        }
+        ssfr_particles *p = frame(n, ids, speeds);
+        assert_int_equal(ssfr_weber_step(weber, p, 0.11, foam, lifetime, phase), SSFR_OK);
+        for (size_t i = 0; i < n; i++) {
+            double *to = frames[f][p->id[i]];
+            to[0] = (double)foam[i], to[1] = (double)lifetime[i], to[2] = phase[i];
+        }
+        ssfr_particles_destroy(&p);
+    }
+    ssfr_weber_destroy(&weber);
+}
+
+static void foam_that_lags_is_that_of_the_frame_before(void **state)
+{
+    (void)state;
+    static told now[FRAMES], late[FRAMES];
+    static const double water[TOLD] = {0, 0, SSFR_PHASE_WATER};
+    for (int mode = 0; mode < 4; mode++) {
+        size_t n_new = 0, n_foam = 0;
+        play_told(mode % 2, mode / 2, 0, now);
+        play_told(mode % 2, mode / 2, 1, late);
+        assert_memory_equal(now[0], late[0], sizeof now[0]); /* a first frame has none before it */
+        for (int f = 1; f < FRAMES; f++)
+            for (uint32_t id = 0; id < N; id++) {
+                if (!coming_and_going(id, f)) continue;
+                const bool is_new = !coming_and_going(id, f - 1);
+                assert_memory_equal(late[f][id], is_new ? water : now[f - 1][id], sizeof water);
+                n_new += is_new, n_foam += late[f][id][0] > 0;
+            }
+        assert_true(n_new > N / 10 && n_foam > N);
+    }
+}
+
+/* Since more than a fade takes, over as long as foam lasts. */
+static void what_a_lone_frame_implies_is_foam_since_a_random_time(void **state)
+{
+    (void)state;
+    static float lifetime[4][N];
+    uint32_t ids[N];
+    double speeds[N], *foam = NULL;
+    for (uint32_t i = 0; i < N; i++) ids[i] = i, speeds[i] = i % 2 ? fast : slow;
+    ssfr_particles *p = frame(N, ids, speeds);
+    assert_int_equal(ssfr_alloc(&foam, N, sizeof *foam, "lifetimes"), SSFR_OK);
+    for (int k = 0; k < 4; k++) {
+        ssfr_weber_params params = ssfr_weber_defaults();
+        params.fade_in_max = 0.5, params.lifetime = 3;
+        if (k == 3) params.start = SSFR_START_WATER;
+        ssfr_weber *weber = create(&params, k == 1 ? 2 : 1);
+        assert_int_equal(ssfr_weber_step(weber, p, 0, NULL, lifetime[k], NULL), SSFR_OK);
+        ssfr_weber_destroy(&weber);
+    }
+    assert_memory_equal(lifetime[0], lifetime[2], sizeof lifetime[0]);
+    size_t n = 0, n_same = 0;
+    for (size_t i = 0; i < N; i++) {
+        const double seconds = (double)lifetime[0][i];
+        if (p->id[i] % 2) assert_true(seconds >= 0.5 && seconds < 3.5);
+        else assert_true(seconds == 0);
+        if (p->id[i] % 2) foam[n++] = seconds, n_same += lifetime[0][i] == lifetime[1][i];
+        assert_true(lifetime[3][i] == 0); /* begun as water, it turns now */
+    }
+    assert_close(mean(foam, n), 2, 4 * 3 / sqrt(12.0 * (double)n), 0);
+    assert_true(n_same < 3); /* another seed */
+    ssfr_particles_destroy(&p);
+    free(foam);
+}
+
 /* How long each of N particles takes to turn to foam, s, from the first step of its fade. */
-static void fade_times(uint64_t seed, ssfr_weber *weber, double times[N])
+static void fade_times(int seed, ssfr_weber *weber, double times[N])
 {
     const ssfr_weber_params params = started_as_water();
     ssfr_weber *const own = weber ? weber : create(&params, seed);
@@ -249,18 +389,11 @@ static void fade_times(uint64_t seed, ssfr_weber *weber, double times[N])
     double speeds[N];
     for (uint32_t i = 0; i < N; i++) ids[i] = i, speeds[i] = fast;
     ssfr_particles *p = frame(N, ids, speeds);
-    assert_int_equal(ssfr_weber_step(own, p, 0.1, foam, NULL), SSFR_OK);
-    assert_int_equal(ssfr_weber_step(own, p, 0.1, foam, NULL), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(own, p, 0.1, foam, NULL, NULL), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(own, p, 0.1, foam, NULL, NULL), SSFR_OK);
     for (size_t i = 0; i < N; i++) times[p->id[i]] = 0.1 / (double)foam[i];
     ssfr_particles_destroy(&p);
     if (!weber) ssfr_weber_destroy((ssfr_weber *[]){own});
-}
-
-static double mean(const double *values, size_t n)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++) sum += values[i];
-    return sum / (double)n;
 }
 
 static double correlation(const double *a, const double *b, size_t n)
@@ -299,7 +432,7 @@ static void random_times_are_uniform_and_independent(void **state)
     double speeds[N];
     for (uint32_t i = 0; i < N; i++) ids[i] = i, speeds[i] = slow;
     ssfr_particles *p = frame(N, ids, speeds);
-    for (int k = 0; k < 3; k++) assert_int_equal(ssfr_weber_step(weber, p, 2, NULL, NULL), SSFR_OK);
+    for (int k = 0; k < 3; k++) assert_int_equal(ssfr_weber_step(weber, p, 2, NULL, NULL, NULL), SSFR_OK);
     ssfr_particles_destroy(&p);
     fade_times(1, weber, later);
     assert_close(mean(later, N), 0.375, 4 * 0.25 / sqrt(12.0 * N), 0);
@@ -405,7 +538,7 @@ static void fades_may_take_no_time_at_all(void **state)
 static void the_texts_transition_is_linear_in_the_number(void **state)
 {
     (void)state;
-    ssfr_weber_params params = ssfr_weber_defaults();
+    ssfr_weber_params params = at_once();
     params.transition = SSFR_TRANSITION_WEBER;
     params.threshold = 1000, params.band = 0.2;
     ssfr_weber *weber = create(&params, 0);
@@ -428,7 +561,7 @@ static double share_of_foam(const ssfr_particles *p, double threshold)
     float *foam = NULL;
     double sum = 0;
     assert_int_equal(ssfr_alloc(&foam, p->n, sizeof *foam, "foam"), SSFR_OK);
-    assert_int_equal(ssfr_weber_step(weber, p, 0, foam, NULL), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(weber, p, 0, foam, NULL, NULL), SSFR_OK);
     for (size_t i = 0; i < p->n; i++) sum += (double)foam[i];
     ssfr_weber_destroy(&weber);
     free(foam);
@@ -482,18 +615,18 @@ static void missing_arrays_are_named(void **state)
     double threshold = 0;
     ssfr_weber *weber = create(NULL, 0);
     ssfr_particles *p = frame(2, NULL, speeds), *named = frame(2, ids, speeds);
-    assert_int_equal(ssfr_weber_step(weber, p, 0, NULL, NULL), SSFR_OK);
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL), "no array \"id\"");
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, named, 0.1, NULL, NULL), "no array \"id\"");
+    assert_int_equal(ssfr_weber_step(weber, p, 0, NULL, NULL, NULL), SSFR_OK);
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL, NULL), "no array \"id\"");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, named, 0.1, NULL, NULL, NULL), "no array \"id\"");
     ssfr_weber_destroy(&weber);
     weber = create(NULL, 0);
-    assert_int_equal(ssfr_weber_step(weber, named, 0, NULL, NULL), SSFR_OK);
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL), "no array \"id\"");
+    assert_int_equal(ssfr_weber_step(weber, named, 0, NULL, NULL, NULL), SSFR_OK);
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL, NULL), "no array \"id\"");
     remove_array(&p->density);
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0, NULL, NULL), "no array \"density\"");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0, NULL, NULL, NULL), "no array \"density\"");
     assert_fails(SSFR_ERR_VALUE, ssfr_weber_threshold(p, NULL, 0.1, &threshold), "no array \"density\"");
     remove_array(&p->velocity);
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0, NULL, NULL), "no array \"velocity\"");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0, NULL, NULL, NULL), "no array \"velocity\"");
     ssfr_weber_destroy(&weber);
     ssfr_particles_destroy(&p);
     ssfr_particles_destroy(&named);
@@ -508,16 +641,16 @@ static void a_call_that_fails_changes_no_state(void **state)
     ssfr_weber *weber = create(&params, 2385), *other = create(&params, 2385);
     step_one(weber, 7, fast, 0.1), step_one(other, 7, fast, 0.1);
     ssfr_particles *p = frame(3, twice, speeds);
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL), "both have the id 7");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL, NULL), "both have the id 7");
     ssfr_particles_destroy(&p);
     p = frame(1, twice, speeds);
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, -0.1, NULL, NULL), "-0.1 s after");
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, NAN, NULL, NULL), "nan s after");
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, INFINITY, NULL, NULL), "inf s after");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, -0.1, NULL, NULL, NULL), "-0.1 s after");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, NAN, NULL, NULL, NULL), "nan s after");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, INFINITY, NULL, NULL, NULL), "inf s after");
     p->velocity[1] = NAN;
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL), "particle 0 (from 0): velocity (");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL, NULL), "particle 0 (from 0): velocity (");
     p->velocity[1] = 0, p->density[0] = INFINITY;
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL), "density inf");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0.1, NULL, NULL, NULL), "density inf");
     ssfr_particles_destroy(&p);
     assert_true(step_one(weber, 7, fast, 0.1).foam == step_one(other, 7, fast, 0.1).foam);
     ssfr_weber_destroy(&weber);
@@ -530,19 +663,19 @@ static void parameters_out_of_range_are_refused(void **state)
     ssfr_weber *weber = NULL;
     ssfr_weber_params p = ssfr_weber_defaults();
     p.threshold = NAN;
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_create(&weber, &p, 0), "weber.threshold=nan");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_create(&weber, &p), "weber.threshold=nan");
     assert_null(weber);
     p = ssfr_weber_defaults(), p.tension = 0;
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_create(&weber, &p, 0), "weber.tension=0");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_create(&weber, &p), "weber.tension=0");
     p = ssfr_weber_defaults(), p.start = 2;
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_create(&weber, &p, 0), "weber.start=2");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_create(&weber, &p), "weber.start=2");
     p = ssfr_weber_defaults(), p.lifetime = INFINITY;
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_create(&weber, &p, 0), "weber.lifetime=inf");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_create(&weber, &p), "weber.lifetime=inf");
     p = ssfr_weber_defaults(), p.length = 0;
     weber = create(&p, 0);
     ssfr_particles *particles = frame(1, NULL, &fast);
     particles->radius = 0;
-    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, particles, 0, NULL, NULL), "weber.length=0");
+    assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, particles, 0, NULL, NULL, NULL), "weber.length=0");
     ssfr_particles_destroy(&particles);
     ssfr_weber_destroy(&weber);
 }
@@ -558,8 +691,8 @@ static void memory_grows_with_the_most_particles(void **state)
     const size_t counts[] = {N, N / 2, N};
     for (size_t k = 0; k < 3; k++) {
         ssfr_particles *p = frame(counts[k], ids, speeds);
-        assert_int_equal(ssfr_weber_step(weber, p, 0.1, NULL, NULL), SSFR_OK);
-        assert_int_equal(ssfr_weber_bytes(weber) - none, 64 * N);
+        assert_int_equal(ssfr_weber_step(weber, p, 0.1, NULL, NULL, NULL), SSFR_OK);
+        assert_int_equal(ssfr_weber_bytes(weber) - none, 96 * N);
         ssfr_particles_destroy(&p);
     }
     ssfr_weber_destroy(&weber);
@@ -686,7 +819,11 @@ int main(void)
         cmocka_unit_test(a_fade_that_began_goes_on_to_its_end),
         cmocka_unit_test(a_lone_frame_is_in_the_phase_of_its_weber_numbers),
         cmocka_unit_test(what_appears_later_begins_as_water),
+        cmocka_unit_test(a_lifetime_counts_from_the_turn_to_foam),
+        cmocka_unit_test(by_the_text_a_lifetime_is_that_of_a_number_over_the_band),
         cmocka_unit_test(order_and_threads_change_no_bit),
+        cmocka_unit_test(foam_that_lags_is_that_of_the_frame_before),
+        cmocka_unit_test(what_a_lone_frame_implies_is_foam_since_a_random_time),
         cmocka_unit_test(random_times_are_uniform_and_independent),
         cmocka_unit_test(length_and_tension_scale_the_number),
         cmocka_unit_test(a_number_that_equals_the_threshold_is_foam),

@@ -7,7 +7,8 @@ static const EGLint debug_context[] = {EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE, EGL_N
 
 /* What a host owns and binds. */
 typedef struct objects {
-    GLuint program, vertex_array, framebuffers[2], target, textures[16], cube, volume, array, samplers[16], buffers[12];
+    GLuint program, vertex_array, framebuffers[2], target, textures[16], cube, volumes[2], array;
+    GLuint samplers[16], buffers[12];
 } objects;
 
 static GLuint compile(GLenum stage, const char *text)
@@ -49,7 +50,7 @@ static void create_objects(objects *o)
     glCreateTextures(GL_TEXTURE_2D, 16, o->textures);
     for (int i = 0; i < 16; i++) glTextureStorage2D(o->textures[i], 1, GL_R8, 4, 4);
     glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &o->cube);
-    glCreateTextures(GL_TEXTURE_3D, 1, &o->volume);
+    glCreateTextures(GL_TEXTURE_3D, 2, o->volumes);
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &o->array);
     glCreateSamplers(16, o->samplers);
     glCreateBuffers(12, o->buffers);
@@ -70,7 +71,7 @@ static void bind_objects(const objects *o)
     for (GLuint i = 0; i < 16; i++) {
         glBindTextureUnit(i, o->textures[i]);
         glBindTextureUnit(i, o->cube);
-        glBindTextureUnit(i, o->volume);
+        glBindTextureUnit(i, o->volumes[0]);
         glBindTextureUnit(i, o->array);
         glBindSampler(i, o->samplers[i]);
     }
@@ -179,6 +180,7 @@ static void make_a_mess(const objects *o, const ssfr_texture *texture)
     for (GLuint i = 0; i < SSFR_GL_UNIFORMS; i++) glBindBufferBase(GL_UNIFORM_BUFFER, i, o->buffers[10]);
     for (GLuint i = 0; i < SSFR_GL_UNITS; i++) {
         glBindTextureUnit(i, texture->name);
+        glBindTextureUnit(i, o->volumes[1]);
         glBindSampler(i, o->samplers[15 - i]);
     }
     glActiveTexture(GL_TEXTURE0 + 3);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_layer_thickness.c: water before and behind the foam, and sums that are stored in 16 bits. */
+#include "graph/twins.h"
 #include "tests/pass_util.h"
 
 #include "experiments/corners.h"
@@ -556,16 +557,15 @@ static void pictures_are_finite_when_halves_overflow(void **state)
 static void compare_at(test_twin *cpu, test_twin *gpu, const char *corner, int *n_failed)
 {
     const ssfr_pass *pass = ssfr_pass_find("layer_thickness");
-    const bool half = strcmp(corner, "storage=half") == 0;
-    const ssfr_tolerance *tolerance = half ? &pass->half_tolerance : &pass->tolerance;
     const layers reference = run(cpu), measured = run(gpu);
+    const ssfr_tolerance tolerance = ssfr_twins_tolerance(pass, ssfr_graph_last_run(cpu->graph, 0));
     const ssfr_field *const a[] = {measured.back, measured.front}, *const b[] = {reference.back, reference.front};
     int n_outside = 0;
     for (int k = 0; k < 2 * W * H; k++) {
         const double v = a[k % 2]->data[k / 2], r = b[k % 2]->data[k / 2];
-        n_outside += !(fabs(v - r) <= tolerance->abs + tolerance->rel * fabs(r));
+        n_outside += !(fabs(v - r) <= tolerance.abs + tolerance.rel * fabs(r));
     }
-    if (n_outside <= tolerance->outliers * 2 * W * H) return;
+    if (n_outside <= tolerance.outliers * 2 * W * H) return;
     print_error("at \"%s\" %d of %d values differ\n", corner, n_outside, 2 * W * H);
     ++*n_failed;
 }

@@ -79,6 +79,20 @@ static void solids_without_a_floor(test_scene *s)
     s->scene.floor = -INFINITY;
 }
 
+/* Some of it turns to foam, some is spray. */
+static void block_that_foams(test_scene *s)
+{
+    test_scene_create_usual(s, W, H);
+    ssfr_particles *p = s->particles;
+    uint64_t seed = 5;
+    assert_int_equal(ssfr_alloc(&p->velocity, 3 * p->n, sizeof *p->velocity, "velocities"), SSFR_OK);
+    assert_int_equal(ssfr_alloc(&p->density, p->n, sizeof *p->density, "densities"), SSFR_OK);
+    for (size_t i = 0; i < p->n; i++) {
+        p->velocity[3 * i] = (float)test_random(&seed, 0, 2);
+        p->density[i] = (float)test_random(&seed, 300, 1000);
+    }
+}
+
 static const struct {
     const char *name;
     void (*create)(test_scene *);
@@ -86,7 +100,7 @@ static const struct {
 #define X(name) {#name, name}
     X(block), X(one_sphere), X(empty), X(no_particles), X(all_behind_the_eye), X(a_fifth_of_the_screen),
     X(eye_inside_the_fluid), X(far_strays), X(hidden_by_a_solid), X(among_solids_of_all_shapes),
-    X(solids_without_a_floor),
+    X(solids_without_a_floor), X(block_that_foams),
 #undef X
 };
 
@@ -110,8 +124,12 @@ static const char *const variants[][5] = {
     {"sphere_depth.splat=quad", "thickness.splat=quad", "sphere_depth.size=distance", NULL},
     {"sphere_depth.splat=exact", "thickness.splat=exact", "sphere_depth.radius_scale=1.7", NULL},
     {"thickness.radius_scale=3", "thickness.kernel=exponential", "thickness.occlusion=clipped", NULL},
+    {"sphere_depth.root=ramp", "thickness.root=ramp_printed", NULL},
     {"composite.refraction=snell", "composite.reflection=scene", "composite.reject=0", NULL},
     {"downsample.off=1", "noise_foam.strength=0.5", "noise_foam.blend=over", NULL},
+    {"weber.threshold=500", "sparse.by_foam=0", NULL},
+    {"sparse.density_threshold=0", NULL},
+    {"weber.transition=weber", "sparse.density_threshold=700", NULL},
     {"curvature_flow.off=1", NULL},
     {"thickness.off=1", "noise_normals.off=1", NULL},
     {"thickness.storage=half", NULL},
@@ -228,6 +246,27 @@ static void every_image_is_the_same_to_the_bit(void **state)
     }
 }
 
+/* Unless particles have velocity and density, nodes that tell water from foam are as if they were not there. */
+static void water_of_which_nothing_is_known_is_drawn_as_without_foam(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    for (int foams = 0; foams < 2; foams++) {
+        test_scene s;
+        ssfr_graph *with = test_graph(ssfr_pipeline_find("bagar2010"), gl);
+        ssfr_graph *without = test_graph(ssfr_pipeline_find("bagar2010"), gl);
+        test_graph_set(without, (const char *[]){"weber.off=1", "sparse.off=1", NULL});
+        if (foams) block_that_foams(&s);
+        else block(&s);
+        ssfr_field *a = test_graph_picture(with, &s.scene, "color", false);
+        ssfr_field *b = test_graph_picture(without, &s.scene, "color", false);
+        assert_true((test_n_different(a, b) == 0) == !foams);
+        assert_int_equal(test_graph_node(with, "weber")->status, foams ? SSFR_RAN : SSFR_NEEDLESS);
+        ssfr_field_destroy(&a), ssfr_field_destroy(&b);
+        ssfr_graph_destroy(&with), ssfr_graph_destroy(&without);
+        test_scene_destroy(&s);
+    }
+}
+
 /* ---- what is left out -------------------------------------------------------------------------------------------- */
 
 /* A letter a node: ran, off, unwanted, needless, given. */
@@ -321,6 +360,7 @@ int main(void)
         ON_BOTH(pictures_are_the_same_to_the_bit),
         ON_BOTH(pictures_without_any_one_node_are_the_same_to_the_bit),
         ON_BOTH(every_image_is_the_same_to_the_bit),
+        ON_BOTH(water_of_which_nothing_is_known_is_drawn_as_without_foam),
         ON_BOTH(what_is_left_out_is_what_is_not_needed),
         ON_BOTH(who_wants_depth_alone_pays_for_no_compositing),
         ON_BOTH(keeping_all_runs_all_on_every_tile),

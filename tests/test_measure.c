@@ -234,6 +234,31 @@ static void the_nodes_of_the_gpu_are_timed_when_asked(void **state)
     bench_destroy(&b);
 }
 
+/* The values of a frame that is drawn again were computed once, in no run that is timed. */
+static void what_is_kept_is_timed_once_and_no_part_of_the_frame(void **state)
+{
+    (void)state;
+    ssfr_stage_options options;
+    bench b = {0};
+    ssfr_stage_defaults(&options);
+    options.size[0] = 64, options.size[1] = 48;
+    assert_int_equal(ssfr_stage_create(&b.stage, "splash", &options), SSFR_OK);
+    assert_int_equal(ssfr_graph_create(&b.graph, ssfr_pipeline_find("bagar2010"), NULL), SSFR_OK);
+    measure(&b, (ssfr_measure_options){.min_runs = 3, .nodes = true});
+    double bytes = 0;
+    for (int i = 0; i < b.measured->n_nodes; i++) {
+        const ssfr_node_report *node = &b.measured->reports[i];
+        const bool values = strcmp(node->node, "weber") == 0 || strcmp(node->node, "sparse") == 0;
+        assert_true(node->kept == values);
+        if (node->status != SSFR_RAN) continue;
+        assert_int_equal(b.measured->nodes[i].n, values ? 1 : 3);
+        assert_true(b.measured->nodes[i].median > 0 && node->bytes > 0);
+        if (!values) bytes += node->bytes;
+    }
+    assert_close(b.measured->bytes, bytes, 0, 1e-12);
+    bench_destroy(&b);
+}
+
 static void a_graph_that_cannot_run_cannot_be_measured(void **state)
 {
     (void)state;
@@ -313,6 +338,7 @@ int main(void)
         cmocka_unit_test(the_cap_on_time_leaves_one_run),
         cmocka_unit_test(the_nodes_of_the_cpu_add_up_to_the_frame),
         cmocka_unit_test(the_nodes_of_the_gpu_are_timed_when_asked),
+        cmocka_unit_test(what_is_kept_is_timed_once_and_no_part_of_the_frame),
         cmocka_unit_test(a_graph_that_cannot_run_cannot_be_measured),
         cmocka_unit_test(two_subjects_run_by_turns_and_are_compared_pair_by_pair),
         cmocka_unit_test(subjects_that_fail_leave_nothing),

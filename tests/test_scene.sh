@@ -205,6 +205,19 @@ accepts 'not another' compare two.exr six.exr --require 'max_abs>0' --require 'Z
 accepts 'frames of a range' render $tiny -o 'side_%02d.exr' $small --frames 2:6:4
 that 'have their numbers' [ -e side_02.exr ] && [ -e side_06.exr ] && [ ! -e side_04.exr ]
 accepts 'and are what they are alone' compare side_06.exr six.exr --require max_abs==0 --require Z.max_abs==0
+# Foam that follows the particles: of what it is, the water is less.
+foam="$tiny $small -p bagar2010 --set weber.threshold=300"
+accepts 'frames that follow each other' render $foam -o 'foam_%d.exr' --frames 0:6
+accepts 'a frame after all that are before it' render $foam -o all.exr --frame 6 --play all
+accepts 'is the same to the last bit' compare all.exr foam_6.exr --require max_abs==0 --require Z.max_abs==0
+accepts 'a lone frame' render $foam -o lone.exr --frame 6 --play none
+accepts 'is another' compare lone.exr all.exr --require 'max_abs>0'
+accepts 'as many as fades last' render $foam -o fades.exr --frame 6
+accepts 'are all here' compare fades.exr all.exr --require max_abs==0
+accepts 'of frames far apart' render $foam -o 'apart_%d.exr' --frames 0:6:3
+accepts 'those between them are played' compare apart_6.exr all.exr --require max_abs==0
+refuses 'what is no number of frames' "--play 'some': expected a number of frames, all or none" \
+    render $foam -o a.png --frame 6 --play some
 accepts 'a camera moves along its path' render $tiny -o 'path_%d.exr' $small --frames 0:8:4 --camera path
 accepts 'elsewhere at another time' render $tiny -o path.exr $small --frame 4 --camera path
 accepts 'as it is alone' compare path.exr path_4.exr --require max_abs==0

@@ -69,6 +69,7 @@ static void a_threshold_of_0_is_needless_and_changes_nothing(void **state)
         run(t, keep_all);
         assert_int_equal(ssfr_graph_report(t->graph)->nodes[0].status, keep_all ? SSFR_RAN : SSFR_NEEDLESS);
         assert_sizes(t, "water_size", 1, (const double[]){1}); /* neutral */
+        assert_sizes(t, "foam_size", 1, (const double[]){0});
         assert_sizes(t, "spray_size", 1, (const double[]){0});
     }
     ssfr_particles_destroy(&p);
@@ -80,7 +81,7 @@ static void fluid_of_unknown_density_is_at_rest(void **state)
     ssfr_particles *p = make(3, NULL);
     static const double half[] = {0.75, 0.75, 0.75}, none[] = {0, 0, 0};
     t->scene.particles = p;
-    run(t, false); /* a threshold of half the rest density */
+    run(t, false); /* a threshold of 0.4 of the rest density */
     assert_sizes(t, "water_size", 1, (const double[]){1});
     test_twin_set(t, "density_threshold", "%.17g", 1000 / 1.5);
     run(t, false);
@@ -118,15 +119,15 @@ static void thin_fluid_is_not_drawn(void **state)
     for (size_t i = 0; i < SSFR_COUNT(sets); i++) ssfr_particles_destroy(&sets[i]);
 }
 
-/* Foam by a Weber number of at least 0: all of it, at once. */
-static void water_shrinks_as_it_turns_to_foam(void **state)
+static void water_shrinks_and_foam_grows_as_one_turns_to_the_other(void **state)
 {
     static const ssfr_pipeline pipeline = {.name = "foamy", .source = "", .help = "", .result = SSFR_SLOT_water_size,
                                            .nodes = {{"weber_foam", .settings = {"transition=weber", "threshold=1000"}},
-                                                     {"sparse"}}};
+                                                     {"sparse", .settings = {"density_threshold=500"}}}};
     /* Weber numbers 0 to 2000, about 1000 with a band of a half: foam 0, 0, 1/2, 1 */
     static const float density[] = {1000, 500, 1000, 2000};
     static const double shrunk[] = {1, 0.5, 0.5, 0}, unshrunk[] = {1, 0.5, 1, 1};
+    static const double grown[] = {0, 0, 0.5, 1}, all[] = {0, 0, 1, 1}, thick[] = {0, 0, 0, 1}, none[] = {0, 0, 0, 0};
     test_twin *t = test_twin_create_for(state, &pipeline, W, H);
     ssfr_particles *p = make(4, density);
     assert_int_equal(ssfr_alloc(&p->velocity, 3 * p->n, sizeof *p->velocity, "velocities"), SSFR_OK);
@@ -134,9 +135,23 @@ static void water_shrinks_as_it_turns_to_foam(void **state)
     t->scene.particles = p;
     run(t, false);
     assert_sizes(t, "water_size", 4, shrunk);
+    assert_sizes(t, "foam_size", 4, grown);
     test_twin_set(t, "sparse.by_foam", "0");
     run(t, false);
     assert_sizes(t, "water_size", 4, unshrunk);
+    assert_sizes(t, "foam_size", 4, all);
+    test_twin_set(t, "sparse.density_threshold", "0"); /* nothing shrinks, and still there is foam */
+    run(t, false);
+    assert_sizes(t, "water_size", 1, (const double[]){1});
+    assert_sizes(t, "foam_size", 4, all);
+    test_twin_set(t, "sparse.by_foam", "1");
+    test_twin_set(t, "sparse.density_threshold", "1500"); /* spray is no foam */
+    run(t, false);
+    assert_sizes(t, "foam_size", 4, thick);
+    assert_sizes(t, "water_size", 4, none);
+    test_twin_set(t, "weber_foam.off", "1");
+    run(t, false);
+    assert_sizes(t, "foam_size", 1, (const double[]){0});
     ssfr_particles_destroy(&p);
 }
 
@@ -157,7 +172,7 @@ int main(void)
         TEST_TWINS(fluid_of_unknown_density_is_at_rest),
         TEST_TWINS(no_particles_are_no_sizes),
         TEST_TWINS(thin_fluid_is_not_drawn),
-        TEST_TWINS(water_shrinks_as_it_turns_to_foam),
+        TEST_TWINS(water_shrinks_and_foam_grows_as_one_turns_to_the_other),
         TEST_TWINS(values_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

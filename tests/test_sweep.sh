@@ -170,6 +170,8 @@ refuses 'nor by another number of threads' 'i.csv: was measured with other setti
     sweep $many --threads 3 -o i.csv --resume
 refuses 'nor from a view that differs in the last digit' 'i.csv: was measured with other settings' \
     sweep $many --fov 45.0000001 -o i.csv --resume
+refuses 'nor with other frames before it' 'i.csv: was measured with other settings' \
+    sweep $many --play none -o i.csv --resume
 that 'and neither is touched' each_once i.csv 16
 rm ./*.csv ./*.json
 
@@ -319,6 +321,15 @@ leaves 0 'steps that may ripple are taken where that is said' \
     sweep --scene block --size 48x32 --backend cpu $brief -s curvature_flow.step=2 \
     --vary curvature_flow.unstable=allow -o b.csv
 that 'and their pixels counted' [ "$(column b.csv unstable)" -gt 100 ]
+leaves 0 'values of particles are computed once' bench bagar2010 --size 48x32 --backend cpu $brief -o v.csv
+that 'beside the frames that are timed' [ "$(column v.csv runs | sed -n 1,2p | tr '\n' ' ')" = '1 1 ' ]
+that 'in a time of their own' [ "$(column v.csv ms_median | sed -n 1,2p | awk '$1 > 0' | wc -l)" -eq 2 ]
+that 'of which they are no share' grep -Eq '^weber	ran	[0-9.]+	[0-9.]+	-	' out
+that 'as the others are' [ "$(column v.csv share | head -n -2 | awk '/^[0-9]/ { s += $1 } END { print (s > 0.99 && s < 1.01) }')" = 1 ]
+for command in "bench bagar2010" "sweep $cpu --vary curvature_flow.iterations=0"; do
+    refuses "what is no number of frames, in ${command%% *}" "--play '1.5': expected" $command --play 1.5
+done
+rm ./v.*
 refuses 'bench knows its pipelines' 'nothing: no such pipeline; there are vanderlaan2009' bench nothing
 refuses 'bench finds out at once where it cannot write' 'absent/b.csv' bench -o absent/b.csv
 mkfifo pipe

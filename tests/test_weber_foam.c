@@ -30,17 +30,19 @@ static ssfr_particles *make(int frame, bool with_ids)
  * of particles between water and foam. */
 static size_t assert_foam(test_twin *t, ssfr_particles *p, double time, ssfr_weber *weber, double dt)
 {
-    static float expected[N];
-    const float *foam;
+    static float expected[N], since[N];
+    const float *foam, *lifetime;
     size_t n, n_foam = 0, n_between = 0;
     t->scene.particles = p;
     t->scene.timed = !isnan(time);
     t->scene.time = t->scene.timed ? time : 0;
     assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
     assert_int_equal(ssfr_graph_read_values(t->graph, "foam", &n, &foam), SSFR_OK);
-    assert_int_equal(ssfr_weber_step(weber, p, dt, expected, NULL), SSFR_OK);
+    assert_int_equal(ssfr_graph_read_values(t->graph, "lifetime", &n, &lifetime), SSFR_OK);
+    assert_int_equal(ssfr_weber_step(weber, p, dt, expected, since, NULL), SSFR_OK);
     assert_int_equal(n, N);
     assert_memory_equal(foam, expected, sizeof expected);
+    assert_memory_equal(lifetime, since, sizeof since);
     for (size_t i = 0; i < n; i++) n_foam += foam[i] > 0, n_between += foam[i] > 0 && foam[i] < 1;
     assert_true(n_foam > N / 10 && n_foam < N);
     return n_between;
@@ -51,7 +53,7 @@ static ssfr_weber *fresh(double lifetime)
     ssfr_weber_params params = ssfr_weber_defaults();
     ssfr_weber *weber;
     params.lifetime = lifetime;
-    assert_int_equal(ssfr_weber_create(&weber, &params, 0), SSFR_OK);
+    assert_int_equal(ssfr_weber_create(&weber, &params), SSFR_OK);
     return weber;
 }
 
@@ -121,10 +123,97 @@ static void frames_that_are_played_count(void **state)
         t->scene.particles = p[i];
         t->scene.time = 0.2 * i;
         assert_int_equal(ssfr_graph_advance(t->graph, &t->scene), SSFR_OK);
-        assert_int_equal(ssfr_weber_step(weber, p[i], 0.2, foam, NULL), SSFR_OK);
+        assert_int_equal(ssfr_weber_step(weber, p[i], 0.2, foam, NULL, NULL), SSFR_OK);
     }
     assert_foam(t, p[2], 0.5, weber, 0.5 - 0.2);
     for (int i = 0; i < 3; i++) ssfr_particles_destroy(&p[i]);
+    ssfr_weber_destroy(&weber);
+}
+
+/* Fades of 0.5 s and of 1.5 times the lifetime of 1 s. */
+static void history_is_asked_for_until_a_frame_was_seen(void **state)
+{
+    test_twin *t = test_twin_create(state, "weber_foam", W, H);
+    ssfr_particles *p = make(0, true), *other = make(1, true);
+    t->scene.particles = p;
+    t->scene.time = 3;
+    assert_true(ssfr_graph_history(t->graph, &t->scene) < 0); /* a lone frame has none */
+    t->scene.timed = true;
+    assert_close(ssfr_graph_history(t->graph, &t->scene), 2, 1e-15, 0);
+    assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
+    assert_true(ssfr_graph_history(t->graph, &t->scene) < 0); /* it has run for it */
+    t->scene.time = 4;
+    assert_close(ssfr_graph_history(t->graph, &t->scene), 2, 1e-15, 0);
+    t->scene.time = 3, t->scene.particles = other;
+    assert_close(ssfr_graph_history(t->graph, &t->scene), 2, 1e-15, 0);
+    t->scene.particles = p;
+    ssfr_graph_restart(t->graph);
+    assert_close(ssfr_graph_history(t->graph, &t->scene), 2, 1e-15, 0);
+    assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
+    test_twin_set(t, "lifetime", "2");
+    assert_close(ssfr_graph_history(t->graph, &t->scene), 3.5, 1e-15, 0);
+    test_twin_set(t, "off", "1");
+    assert_true(ssfr_graph_history(t->graph, &t->scene) < 0);
+    test_twin_set(t, "off", "0");
+    assert_int_equal(ssfr_graph_want(t->graph, NULL), SSFR_OK); /* nobody reads it */
+    assert_true(ssfr_graph_history(t->graph, &t->scene) < 0);
+    t->scene.particles = NULL;
+    assert_int_equal(ssfr_graph_want(t->graph, "foam"), SSFR_OK);
+    assert_true(ssfr_graph_history(t->graph, &t->scene) < 0);
+    test_twin *plain = test_twin_create(state, "sparse", W, H);
+    plain->scene.particles = p, plain->scene.timed = true;
+    assert_true(ssfr_graph_history(plain->graph, &plain->scene) < 0); /* it keeps nothing */
+    ssfr_particles_destroy(&p), ssfr_particles_destroy(&other);
+}
+
+static void after_a_restart_a_frame_is_the_first(void **state)
+{
+    test_twin *t = test_twin_create(state, "weber_foam", W, H);
+    ssfr_particles *p[] = {make(0, true), make(1, true)};
+    for (int i = 0; i < 2; i++) {
+        ssfr_weber *weber = fresh(1);
+        assert_foam(t, p[i], 0.5 * i, weber, 0);
+        ssfr_graph_restart(t->graph);
+        ssfr_weber_destroy(&weber);
+    }
+    for (int i = 0; i < 2; i++) ssfr_particles_destroy(&p[i]);
+}
+
+static void a_frame_that_is_drawn_again_tells_the_time_of_its_first_run(void **state)
+{
+    test_twin *t = test_twin_create(state, "weber_foam", W, H);
+    ssfr_particles *p = make(0, true);
+    double ms = 0;
+    t->scene.particles = p;
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(ssfr_graph_run(t->graph, &t->scene, &(ssfr_run_options){.timing = i != 1}), SSFR_OK);
+        const ssfr_node_report *node = ssfr_graph_report(t->graph)->nodes;
+        assert_true(node->status == SSFR_RAN && node->kept == (i > 0));
+        if (i == 0) ms = node->ms;
+        if (i == 1) assert_true(isnan(node->ms));
+        else assert_true(node->ms > 0 && node->ms == ms);
+    }
+    test_twin_set(t, "threshold", "1000");
+    assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
+    assert_false(ssfr_graph_report(t->graph)->nodes->kept);
+    ssfr_particles_destroy(&p);
+}
+
+/* Of the phases themselves, which test_classify.c tries. */
+static void lag_and_seed_are_those_of_the_phases(void **state)
+{
+    test_twin *t = test_twin_create(state, "weber_foam", W, H);
+    ssfr_weber_params params = ssfr_weber_defaults();
+    ssfr_weber *weber;
+    params.lag = 0, params.seed = 5;
+    test_twin_set(t, "lag", "0");
+    test_twin_set(t, "seed", "5");
+    assert_int_equal(ssfr_weber_create(&weber, &params), SSFR_OK);
+    for (int i = 0; i < 4; i++) {
+        ssfr_particles *p = make(i, true);
+        assert_foam(t, p, 0.125 * i, weber, 0.125);
+        ssfr_particles_destroy(&p);
+    }
     ssfr_weber_destroy(&weber);
 }
 
@@ -147,6 +236,8 @@ static void without_velocity_or_density_there_is_no_foam(void **state)
             assert_int_equal(ssfr_graph_read_values(t->graph, "foam", &n, &foam), SSFR_OK);
             assert_int_equal(n, 1);
             assert_true(*foam == 0);
+            assert_int_equal(ssfr_graph_read_values(t->graph, "lifetime", &n, &foam), SSFR_OK);
+            assert_true(n == 1 && *foam == 0);
         }
         ssfr_particles_destroy(&p);
     }
@@ -163,6 +254,8 @@ static void bad_particles_and_parameters_are_refused(void **state)
     t->scene.particles = twice;
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(t->graph, &t->scene, NULL), "both have the id");
     test_twin_refuses(t, "threshold", "-1", "threshold=-1");
+    test_twin_refuses(t, "lag", "2", "lag=2: out of range [0, 1] frames");
+    test_twin_refuses(t, "seed", "-1", "seed=-1: out of range [0, ");
     ssfr_particles_destroy(&p), ssfr_particles_destroy(&twice);
 }
 
@@ -173,6 +266,10 @@ int main(void)
         TEST_TWINS(the_same_frame_again_takes_no_turn),
         TEST_TWINS(history_begins_anew),
         TEST_TWINS(frames_that_are_played_count),
+        TEST_TWINS(history_is_asked_for_until_a_frame_was_seen),
+        TEST_TWINS(after_a_restart_a_frame_is_the_first),
+        TEST_TWINS(a_frame_that_is_drawn_again_tells_the_time_of_its_first_run),
+        TEST_TWINS(lag_and_seed_are_those_of_the_phases),
         TEST_TWINS(without_velocity_or_density_there_is_no_foam),
         TEST_TWINS(bad_particles_and_parameters_are_refused),
     };

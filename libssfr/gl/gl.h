@@ -12,6 +12,7 @@
 
 #include "base/base.h"
 #include "base/half.h"
+#include "base/lookup.h"
 
 enum { SSFR_GL_UNITS = 16, SSFR_GL_STORAGE = 8, SSFR_GL_UNIFORMS = 2 };
 
@@ -48,6 +49,10 @@ void ssfr_texture_finish(ssfr_texture *texture);
 void ssfr_texture_clear(const ssfr_texture *texture, const float value[4]);
 SSFR_MUST ssfr_result ssfr_texture_write(const ssfr_texture *texture, const ssfr_field *field);
 SSFR_MUST ssfr_result ssfr_texture_read(const ssfr_texture *texture, ssfr_field **out);
+
+/* A constant table as a texture of two or three dimensions, read with linear interpolation. */
+SSFR_MUST ssfr_result ssfr_lookup_upload(ssfr_gl *gl, unsigned *out, const ssfr_texels *texels);
+void ssfr_lookup_destroy(unsigned *texture);
 
 /* Binds up to 4 textures as colour attachments of ssfr's framebuffer and sets the viewport to their size. */
 SSFR_MUST ssfr_result ssfr_gl_target(ssfr_gl *gl, int n, const ssfr_texture *const *textures);

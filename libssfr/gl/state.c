@@ -138,7 +138,7 @@ struct ssfr_gl_host {
     GLint values[SSFR_COUNT(rows)];
     draw_state draws[MAX_DRAWS];
     viewports_state viewports;
-    GLint textures[SSFR_GL_UNITS], samplers[SSFR_GL_UNITS];
+    GLint textures[SSFR_GL_UNITS], volumes[SSFR_GL_UNITS], samplers[SSFR_GL_UNITS];
     buffer_range buffers[N_BUFFERS];
     GLint clip_origin, clip_depth;
     GLfloat clear_colour[4];
@@ -183,12 +183,13 @@ static void restore_viewports(const viewports_state *s, GLint n)
     for (GLuint i = 0; i < (GLuint)n; i++) (s->scissor_test[i] ? glEnablei : glDisablei)(GL_SCISSOR_TEST, i);
 }
 
-/* Only the 2D target: a host's other textures on ssfr's units stay bound. */
+/* Only the 2D and 3D targets: a host's other textures on ssfr's units stay bound. */
 static void save_units(ssfr_gl_host *host)
 {
     for (GLenum i = 0; i < SSFR_GL_UNITS; i++) {
         glActiveTexture(GL_TEXTURE0 + i);
         glGetIntegerv(GL_TEXTURE_BINDING_2D, &host->textures[i]);
+        glGetIntegerv(GL_TEXTURE_BINDING_3D, &host->volumes[i]);
         glGetIntegerv(GL_SAMPLER_BINDING, &host->samplers[i]);
     }
 }
@@ -198,6 +199,7 @@ static void restore_units(const ssfr_gl_host *host)
     for (GLuint i = 0; i < SSFR_GL_UNITS; i++) {
         glActiveTexture(GL_TEXTURE0 + i);
         glBindTexture(GL_TEXTURE_2D, (GLuint)host->textures[i]);
+        glBindTexture(GL_TEXTURE_3D, (GLuint)host->volumes[i]);
         glBindSampler(i, (GLuint)host->samplers[i]);
     }
 }

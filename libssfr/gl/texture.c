@@ -146,6 +146,59 @@ end:
     return result;
 }
 
+/* ---- constant tables --------------------------------------------------------------------------------------------- */
+
+static void set_table_filter(unsigned texture, bool repeats)
+{
+    const GLint wrap = repeats ? GL_REPEAT : GL_CLAMP_TO_EDGE;
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, wrap);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, wrap);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_R, wrap);
+}
+
+static void write_table(unsigned texture, const ssfr_texels *texels)
+{
+    static const GLenum formats[] = {GL_RED, GL_RG, GL_RGB, GL_RGBA};
+    const ssfr_lookup *t = texels->table;
+    const GLenum format = formats[t->c - 1], type = t->store == SSFR_LOOKUP_UNORM8 ? GL_UNSIGNED_BYTE : GL_FLOAT;
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    if (t->d == 1) glTextureSubImage2D(texture, 0, 0, 0, t->w, t->h, format, type, texels->data);
+    else glTextureSubImage3D(texture, 0, 0, 0, 0, t->w, t->h, t->d, format, type, texels->data);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4); /* the baseline */
+}
+
+ssfr_result ssfr_lookup_upload(ssfr_gl *gl, unsigned *out, const ssfr_texels *texels)
+{
+    static const GLenum stored[2][4] = {[SSFR_LOOKUP_FLOAT] = {GL_R32F, GL_RG32F, GL_RGB32F, GL_RGBA32F},
+                                        [SSFR_LOOKUP_UNORM8] = {GL_R8, GL_RG8, GL_RGB8, GL_RGBA8}};
+    ssfr_result result = SSFR_OK;
+    const ssfr_lookup *t = texels->table;
+    const GLenum internal = stored[t->store][t->c - 1];
+    unsigned texture = 0;
+    *out = 0;
+    const bool clean = no_error_yet(gl);
+    glCreateTextures(t->d == 1 ? GL_TEXTURE_2D : GL_TEXTURE_3D, 1, &texture);
+    if (t->d == 1) glTextureStorage2D(texture, 1, internal, t->w, t->h);
+    else glTextureStorage3D(texture, 1, internal, t->w, t->h, t->d);
+    SSFR_TRY(check_memory(gl, clean, t->name));
+    set_table_filter(texture, t->repeats);
+    write_table(texture, texels);
+    gl->allocations++;
+    *out = texture;
+    texture = 0;
+end:
+    ssfr_lookup_destroy(&texture);
+    return result;
+}
+
+void ssfr_lookup_destroy(unsigned *texture)
+{
+    if (*texture) glDeleteTextures(1, texture);
+    *texture = 0;
+}
+
 /* ---- the framebuffer --------------------------------------------------------------------------------------------- */
 
 /* Attaches the first n of textures, and lets go of what was attached beyond. */

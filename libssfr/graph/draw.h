@@ -17,7 +17,8 @@ enum {
     SSFR_BIND_VALUES = SSFR_BIND_SOLID_TILES,
     SSFR_BIND_WORDS = 7, /* lent to a run */
 };
-enum { SSFR_UNIT_ENVIRONMENT = 15 }; /* beyond the units of a pass's inputs */
+enum { SSFR_UNIT_TABLES = SSFR_MAX_PORTS, SSFR_UNIT_ENVIRONMENT = 15 }; /* beyond the units of a pass's inputs */
+_Static_assert(SSFR_UNIT_TABLES + SSFR_MAX_TABLES <= SSFR_UNIT_ENVIRONMENT, "a unit for each table");
 
 typedef struct ssfr_draw {
     ssfr_gl *gl;

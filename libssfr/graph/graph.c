@@ -139,6 +139,14 @@ end:
     return result;
 }
 
+static void set_sampler(unsigned program, const char *port, int unit)
+{
+    char name[64];
+    snprintf(name, sizeof name, "t_%s", port);
+    const int location = glGetUniformLocation(program, name);
+    if (location >= 0) glProgramUniform1i(program, location, unit);
+}
+
 ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const char *defines)
 {
     ssfr_result result = SSFR_OK;
@@ -146,12 +154,9 @@ ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const char *def
     if (n->programs[i] && strcmp(n->defines[i], defines) == 0) return SSFR_OK;
     SSFR_TRY(ssfr_program_get(graph->gl, &n->programs[i], row->vert, row->frag, defines[0] ? defines : row->defines));
     snprintf(n->defines[i], sizeof n->defines[i], "%s", defines);
-    for (int k = 0; k < n->n_in; k++) {
-        char name[64];
-        snprintf(name, sizeof name, "t_%s", n->pass->inputs[k].name);
-        const int location = glGetUniformLocation(n->programs[i], name);
-        if (location >= 0) glProgramUniform1i(n->programs[i], location, k);
-    }
+    for (int k = 0; k < n->n_in; k++) set_sampler(n->programs[i], n->pass->inputs[k].name, k);
+    for (int k = 0; n->pass->tables[k].table; k++)
+        set_sampler(n->programs[i], n->pass->tables[k].table->name, SSFR_UNIT_TABLES + k);
     for (int k = 0; n->pass->uniforms && n->pass->uniforms[k].name; k++) {
         assert(k < SSFR_MAX_UNIFORMS);
         n->locations[i][k] = glGetUniformLocation(n->programs[i], n->pass->uniforms[k].name);
@@ -436,9 +441,11 @@ void ssfr_graph_destroy(ssfr_graph **graph)
     if (!g) return;
     if (!g->gl) {
         destroy_images(g);
+        ssfr_tables_finish(g);
     } else if (g->has_objects && ssfr_gl_begin(g->gl) == SSFR_OK) {
         destroy_images(g);
         destroy_gl(g);
+        ssfr_tables_finish(g);
         const ssfr_result ended = ssfr_gl_end(g->gl, SSFR_OK);
         (void)ended; /* logged; there is nobody to tell */
     }

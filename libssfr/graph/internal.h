@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* internal.h: the graph's own structures, shared by graph.c (what it is), exchange.c (what it is given and asked for),
- * values.c (values of particles), plan.c (what to leave out) and run.c (doing it).
+ * values.c (values of particles), tables.c (constant tables), plan.c (what to leave out) and run.c (doing it).
  *
  *      nodes    in execution order, each with its pass, parameters and the resources it reads and writes
  *      resource one version of a slot: written by one node, or from outside
@@ -12,7 +12,7 @@
 #include "graph/draw.h"
 #include "graph/graph.h"
 
-enum { SSFR_MAX_NODES = 32, SSFR_MAX_RESOURCES = 96, SSFR_MAX_UNIFORMS = 24 };
+enum { SSFR_MAX_NODES = 32, SSFR_MAX_RESOURCES = 96, SSFR_MAX_UNIFORMS = 24, SSFR_MAX_GRAPH_TABLES = 8 };
 
 typedef struct image {
     int w, h, c;
@@ -41,6 +41,11 @@ typedef struct particle_values { /* of a particle slot */
     size_t cap_buffer;   /* floats */
     uint64_t buffer_key; /* which contents the buffer holds */
 } particle_values;
+
+typedef struct stored_table {
+    ssfr_texels texels; /* on the GPU without data */
+    unsigned texture;
+} stored_table;
 
 typedef struct resource {
     ssfr_slot_id slot;
@@ -85,9 +90,10 @@ typedef struct node {
     /* of a particle node */
     bool read;               /* somebody may want what it writes */
     played played;
+    bool kept;               /* it ran for this frame before */
     ssfr_node_status status; /* in the frame being run */
     const char *why;
-    double ms;
+    double ms;               /* when it ran last */
 } node;
 
 typedef struct host_buffer { /* positions in the host's memory */
@@ -118,6 +124,8 @@ struct ssfr_graph {
     unsigned position, ids, offsets, tiles, block, quads, samples;
     unsigned solid_tiles, tiles_by_solids, nodes_of_meshes, triangles;
     ssfr_texture environment;
+    int n_tables;
+    stored_table tables[SSFR_MAX_GRAPH_TABLES];
     unsigned copy;    /* program */
     unsigned sampler; /* for images of the host, whatever their own filters are */
     size_t cap_offsets, cap_tiles, cap_solid_tiles, cap_by_solids; /* entries */
@@ -139,7 +147,7 @@ SSFR_MUST ssfr_result ssfr_plan(ssfr_graph *graph, bool keep_all);
 
 /* Before the plan: runs the particle nodes that somebody may read, and gives all nodes their values. The frame must
  * stand, for its particles. */
-SSFR_MUST ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all, bool timing);
+SSFR_MUST ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all);
 /* Counts the particles in view that have a value, once the frame's facts are final. */
 void ssfr_values_count(ssfr_graph *graph);
 /* What a resource of values that no node writes holds in the frames that follow, of each of their particles in the
@@ -163,6 +171,11 @@ static inline ssfr_storage ssfr_node_storage(const node *n)
 {
     return n->pass->storage ? n->pass->storage(n->params) : SSFR_STORE_FLOAT;
 }
+
+/* Makes what tables the node reads are not there yet, and gives them to it; the GPU's are bound. */
+SSFR_MUST ssfr_result ssfr_tables_ready(ssfr_graph *graph, node *n);
+double ssfr_tables_bytes(const ssfr_graph *graph);
+void ssfr_tables_finish(ssfr_graph *graph);
 
 /* Makes program i of a node with these lines after #version, or those of its row where they are empty. */
 SSFR_MUST ssfr_result ssfr_node_program(ssfr_graph *graph, node *n, int i, const char *defines);

@@ -9,12 +9,14 @@
 
 #include "base/field.h"
 #include "base/half.h"
+#include "base/lookup.h"
 #include "base/param.h"
 #include "graph/frame.h"
 
 enum { SSFR_MAX_PORTS = 12, SSFR_MAX_OUTPUTS = 4, SSFR_MAX_SCRATCH = 2, SSFR_MAX_PROGRAMS = 4,
        SSFR_MAX_VALUES = 4, /* ports of a pass that carry values of particles */
-       SSFR_DEFINES = 96 /* bytes */,
+       SSFR_MAX_TABLES = 3, /* that a pass may read */
+       SSFR_DEFINES = 128 /* bytes */,
        SSFR_COUNTS = 2 /* the first of the words that a run is lent: the GPU gives them back */ };
 
 typedef enum ssfr_slot_id {
@@ -82,6 +84,14 @@ typedef struct ssfr_program_row {
     const char *vert, *frag, *defines;
 } ssfr_program_row;
 
+/* A constant table that a pass looks things up in where a choice among its parameters is this word. It is made when a
+ * node that does first runs, once for all nodes of a graph. */
+typedef struct ssfr_lookup_use {
+    const ssfr_lookup *table; /* NULL ends a list */
+    size_t choice;            /* its offset in the parameters */
+    int word;
+} ssfr_lookup_use;
+
 /* One execution of one node: everything that both twins may know. */
 typedef struct ssfr_run {
     const ssfr_frame *frame;
@@ -95,6 +105,7 @@ typedef struct ssfr_run {
     const ssfr_field *in[SSFR_MAX_PORTS];
     ssfr_field *out[SSFR_MAX_OUTPUTS]; /* NULL from n_out on */
     ssfr_field *scratch[SSFR_MAX_SCRATCH];
+    const ssfr_texels *tables[SSFR_MAX_TABLES]; /* in the order of the pass's; NULL: not read */
     /* As many as n_words says, zero at first. On the GPU a buffer of the shaders is in their place, and when the frame
      * is finished its first SSFR_COUNTS stand here. */
     uint32_t *words;
@@ -122,6 +133,7 @@ struct ssfr_pass {
     const char *name, *source, *help;
     ssfr_port inputs[SSFR_MAX_PORTS];
     ssfr_port outputs[SSFR_MAX_OUTPUTS + 1];
+    ssfr_lookup_use tables[SSFR_MAX_TABLES + 1];
     const ssfr_param *params;
     size_t params_size, coeffs_size;
     int n_scratch;     /* images like output 0 that the graph lends */
@@ -154,6 +166,8 @@ struct ssfr_pass {
     ssfr_result (*particles_run)(const ssfr_run *run);
     size_t state_size;
     void (*state_finish)(void *state);
+    /* How far back frames matter to it, s, but for one more. With state_size. */
+    double (*history)(const void *params);
 
     ssfr_program_row programs[SSFR_MAX_PROGRAMS + 1];
     /* Lines after #version in the place of the row's, by what the frame needs of program i; false: it does not run in
@@ -170,6 +184,8 @@ struct ssfr_pass {
      * in one sweep that reads each input and writes each output once. NULL: that is right. */
     void (*work)(const ssfr_run *run, ssfr_node_report *report);
     ssfr_tolerance tolerance, half_tolerance; /* the second where halves are stored */
+    /* Adds to it what the tables that are read widen it by, after a run. NULL: nothing. */
+    void (*widen)(const ssfr_run *run, ssfr_tolerance *tolerance);
 };
 
 typedef struct ssfr_binding {

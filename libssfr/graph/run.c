@@ -296,6 +296,7 @@ static ssfr_result run_on_cpu(ssfr_graph *graph, node *n)
 {
     ssfr_result result = SSFR_OK;
     ssfr_run *run = &n->run;
+    SSFR_TRY(ssfr_tables_ready(graph, n));
     for (int k = 0; k < n->n_in; k++) run->in[k] = graph->resources[n->in[k]].image->field;
     for (int k = 0; k < n->n_out; k++) {
         run->out[k] = k < run->n_out ? graph->resources[n->out[k]].own.field : NULL;
@@ -425,6 +426,7 @@ static ssfr_result run_on_gpu(ssfr_graph *graph, node *n)
     bind_shared(graph);
     SSFR_TRY(bind_values(graph, n));
     SSFR_TRY(lend_words(graph, n));
+    SSFR_TRY(ssfr_tables_ready(graph, n));
     SSFR_TRY(fill_draw(graph, n));
     SSFR_TRY(fit_programs(graph, n));
     for (int i = 0; n->pass->programs[i].vert; i++) set_uniforms(n, i);
@@ -473,6 +475,8 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
         report->bytes += channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * px *
                          ssfr_square((double)n->run.divisor / r->divisor);
     }
+    for (int k = 0; n->pass->tables[k].table; k++)
+        if (n->run.tables[k]) report->bytes += (double)ssfr_lookup_bytes(n->pass->tables[k].table);
     const double bytes = channel_bytes(ssfr_node_storage(n));
     for (int k = 0; k < n->run.n_out; k++)
         report->bytes += bytes * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
@@ -546,7 +550,7 @@ static ssfr_result prepare(ssfr_graph *graph, const ssfr_scene *scene, const ssf
     ssfr_result result = SSFR_OK;
     const double reach = ssfr_graph_reach(graph, false);
     SSFR_TRY(prepare_frame(graph, scene, reach, options->keep_all));
-    SSFR_TRY(ssfr_values_run(graph, options->keep_all, options->timing));
+    SSFR_TRY(ssfr_values_run(graph, options->keep_all));
     const double wide = ssfr_graph_reach(graph, true);
     if (wide > reach) SSFR_TRY(prepare_frame(graph, scene, wide, options->keep_all));
     ssfr_values_count(graph);
@@ -605,7 +609,8 @@ static double image_bytes(const ssfr_graph *graph)
         bytes += bytes_of(&graph->resources[i].own) + bytes_of(&graph->resources[i].given);
     for (int i = 0; i < graph->n_nodes; i++)
         for (int k = 0; k < SSFR_MAX_SCRATCH; k++) bytes += bytes_of(&graph->nodes[i].scratch[k]);
-    return bytes + (double)sizeof(float) * 4 * graph->environment.w * graph->environment.h;
+    return bytes + ssfr_tables_bytes(graph) +
+           (double)sizeof(float) * 4 * graph->environment.w * graph->environment.h;
 }
 
 /* Particle nodes have run before the plan made the reports. */
@@ -616,6 +621,7 @@ static void report_values(ssfr_graph *graph, bool timing)
         ssfr_node_report *report = &graph->reports[i];
         if (!n->pass->particles_run || report->status != SSFR_RAN) continue;
         if (timing) report->ms = n->ms;
+        report->kept = n->kept;
         report->iterations = 1;
         for (int k = 0; k < n->n_in; k++) report->bytes += values_bytes(&graph->resources[n->in[k]].values);
         for (int k = 0; k < n->n_out; k++) report->bytes += values_bytes(&graph->resources[n->out[k]].values);

@@ -84,20 +84,28 @@ static ssfr_result give_input(ssfr_graph *single, const ssfr_graph *source, cons
     return import_rounded(single, at->pass->inputs[k].name, r->image->field);
 }
 
-/* Runs the pass alone, whatever its `needed` says, and gives its outputs and what the GPU stores them in. */
+ssfr_tolerance ssfr_twins_tolerance(const ssfr_pass *pass, const ssfr_run *run)
+{
+    const bool halves = pass->storage && pass->storage(run->params) == SSFR_STORE_HALF;
+    ssfr_tolerance tolerance = halves ? pass->half_tolerance : pass->tolerance;
+    if (pass->widen) pass->widen(run, &tolerance);
+    return tolerance;
+}
+
+/* Runs the pass alone, whatever its `needed` says, and gives its outputs and how far they may part. */
 static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene *scene, const ssfr_graph *source,
                             const node *at, const char *const *settings, ssfr_field **outputs,
-                            ssfr_storage *storage)
+                            ssfr_tolerance *tolerance)
 {
     ssfr_result result = SSFR_OK;
     ssfr_graph *single = NULL;
     SSFR_TRY(ssfr_graph_create_for_pass(&single, pass, gl));
     SSFR_TRY(apply(single, settings));
     for (int k = 0; k < at->n_in; k++) SSFR_TRY(give_input(single, source, at, k));
-    *storage = ssfr_node_storage(&single->nodes[0]);
     ssfr_graph_want_all(single, true);
     SSFR_TRY(ssfr_graph_run(single, scene, &(ssfr_run_options){.keep_all = true}));
     for (int k = 0; k < at->n_out; k++) SSFR_TRY(ssfr_graph_read(single, pass->outputs[k].name, &outputs[k]));
+    *tolerance = ssfr_twins_tolerance(pass, &single->nodes[0].run);
 end:
     ssfr_graph_destroy(&single);
     return result;
@@ -128,17 +136,17 @@ ssfr_result ssfr_twins_compare(const ssfr_pass *pass, const ssfr_scene *scene, s
     ssfr_result result = SSFR_OK;
     ssfr_graph *source = NULL;
     const node *at = NULL;
+    ssfr_tolerance tolerance;
     ssfr_field *cpu[SSFR_MAX_OUTPUTS] = {0}, *gpu[SSFR_MAX_OUTPUTS] = {0};
-    ssfr_storage storage = SSFR_STORE_FLOAT;
     *n_rows = 0;
     if (pass->particles_run)
         return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: works on particles: it has no twin", pass->name);
     SSFR_TRY(make_inputs(pass, scene, &source, &at));
-    SSFR_TRY(run_twin(pass, NULL, scene, source, at, settings, cpu, &storage));
-    SSFR_TRY(run_twin(pass, gl, scene, source, at, settings, gpu, &storage));
+    SSFR_TRY(run_twin(pass, NULL, scene, source, at, settings, cpu, &tolerance));
+    SSFR_TRY(run_twin(pass, gl, scene, source, at, settings, gpu, &tolerance));
     for (int k = 0; k < at->n_out; k++) {
-        rows[k] = (ssfr_twins_row){.output = pass->outputs[k].name, .reference = cpu[k], .measured = gpu[k],
-                                   .tolerance = storage == SSFR_STORE_HALF ? pass->half_tolerance : pass->tolerance};
+        rows[k] = (ssfr_twins_row){.output = pass->outputs[k].name, .tolerance = tolerance, .reference = cpu[k],
+                                   .measured = gpu[k]};
         cpu[k] = gpu[k] = NULL;
         compare(&rows[k]);
         ++*n_rows;

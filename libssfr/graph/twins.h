@@ -21,6 +21,9 @@ typedef struct ssfr_twins_row { /* one output */
 SSFR_MUST ssfr_result ssfr_twins_compare(const ssfr_pass *pass, const ssfr_scene *scene, ssfr_gl *gl,
                                          const char *const *settings, ssfr_twins_row rows[SSFR_MAX_OUTPUTS],
                                          int *n_rows);
+/* How far the twins of a pass may part, after a run with its parameters and coefficients. */
+ssfr_tolerance ssfr_twins_tolerance(const ssfr_pass *pass, const ssfr_run *run);
+
 void ssfr_twins_finish(ssfr_twins_row rows[SSFR_MAX_OUTPUTS], int n_rows);
 
 #endif

@@ -224,8 +224,10 @@ static void note_written(ssfr_graph *graph, resource *r)
 static ssfr_result run_pass(ssfr_graph *graph, node *n)
 {
     ssfr_result result = SSFR_OK;
+    const double start = ssfr_clock();
     const played now = what_plays(graph, n);
-    if (is_same(&n->played, &now)) return SSFR_OK;
+    n->kept = is_same(&n->played, &now);
+    if (n->kept) return SSFR_OK;
     n->run.dt = time_since(&n->played, &now);
     n->played.is = false; /* until it has run */
     for (int k = 0; k < n->n_out; k++) {
@@ -235,6 +237,7 @@ static ssfr_result run_pass(ssfr_graph *graph, node *n)
     SSFR_TRY(n->pass->particles_run(&n->run));
     for (int k = 0; k < n->n_out; k++) note_written(graph, &graph->resources[n->out[k]]);
     n->played = now;
+    n->ms = 1e3 * (ssfr_clock() - start);
 end:
     return result;
 }
@@ -249,10 +252,9 @@ static ssfr_node_status decide(const ssfr_graph *graph, const node *n, bool keep
     return SSFR_RAN;
 }
 
-static ssfr_result run_node(ssfr_graph *graph, node *n, bool keep_all, bool timing)
+static ssfr_result run_node(ssfr_graph *graph, node *n, bool keep_all)
 {
     ssfr_result result = SSFR_OK;
-    const double start = ssfr_clock();
     give_ports(graph, n);
     if (!n->pass->particles_run) return SSFR_OK;
     if (n->pass->derive) n->pass->derive(&n->run, n->coeffs);
@@ -262,12 +264,11 @@ static ssfr_result run_node(ssfr_graph *graph, node *n, bool keep_all, bool timi
     for (int k = 0; k < n->n_out; k++)
         if (n->status == SSFR_RAN) hold_written(graph, &graph->resources[n->out[k]]);
         else hold_stand_in(graph, n, k);
-    n->ms = timing ? 1e3 * (ssfr_clock() - start) : NAN;
 end:
     return result;
 }
 
-ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all, bool timing)
+ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all)
 {
     ssfr_result result = SSFR_OK;
     find_readers(graph, keep_all);
@@ -277,12 +278,36 @@ ssfr_result ssfr_values_run(ssfr_graph *graph, bool keep_all, bool timing)
         hold_neutral(graph, r);
         if (r->writer < 0) hold_brought(graph, r);
     }
-    for (int i = 0; i < graph->n_nodes; i++) SSFR_TRY(run_node(graph, &graph->nodes[i], keep_all, timing));
+    for (int i = 0; i < graph->n_nodes; i++) SSFR_TRY(run_node(graph, &graph->nodes[i], keep_all));
 end:
     return result;
 }
 
-/* ---- forgetting -------------------------------------------------------------------------------------------------- */
+/* ---- history ----------------------------------------------------------------------------------------------------- */
+
+static bool has_seen(const node *n, const ssfr_scene *scene)
+{
+    const played *p = &n->played;
+    return p->is && p->timed && p->time == scene->time && p->serial == scene->particles->serial;
+}
+
+double ssfr_graph_history(ssfr_graph *graph, const ssfr_scene *scene)
+{
+    double longest = -1;
+    if (!scene->timed || !scene->particles) return longest;
+    find_readers(graph, false);
+    for (int i = 0; i < graph->n_nodes; i++) {
+        const node *n = &graph->nodes[i];
+        if (n->read && !n->off && n->pass->history && !has_seen(n, scene))
+            longest = fmax(longest, n->pass->history(n->params));
+    }
+    return longest;
+}
+
+void ssfr_graph_restart(ssfr_graph *graph)
+{
+    for (int i = 0; i < graph->n_nodes; i++) graph->nodes[i].played.is = false;
+}
 
 void ssfr_values_forget(ssfr_graph *graph, const void *params)
 {

@@ -78,6 +78,7 @@ const ssfr_pass ssfr_layer_thickness = {
     .inputs = {{"scene_depth", SSFR_SLOT_scene_depth}, {"foam_depth", SSFR_SLOT_foam_depth}, SSFR_SPLAT_SIZE_PORT,
                {"foam", SSFR_SLOT_foam}},
     .outputs = {{"thickness_back", SSFR_SLOT_thickness_back}, {"thickness_front", SSFR_SLOT_thickness_front}},
+    .tables = SSFR_SPLAT_TABLES,
     .params = rows,
     .params_size = sizeof(layer_thickness_params),
     .coeffs_size = sizeof(ssfr_layer_thickness_coeffs),
@@ -95,4 +96,5 @@ const ssfr_pass ssfr_layer_thickness = {
     .work = work,
     .tolerance = SSFR_THICKNESS_TOLERANCE,
     .half_tolerance = SSFR_THICKNESS_HALF_TOLERANCE,
+    .widen = ssfr_thickness_widen,
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* sparse_cpu.c: sizes from densities, in double: listing A.8's scaledPointRadius over particleSize. */
+/* sparse_cpu.c: sizes from densities and foam, in double: listing A.8's scaledPointRadius over particleSize. */
 #include "passes/sparse.h"
 
 /* GLSL's, which has no value where both edges are the same: there it is a step. */
@@ -17,11 +17,13 @@ ssfr_result ssfr_sparse_run(const ssfr_run *run)
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < run->frame->particles->n; i++) {
         const double density = (double)*ssfr_values_at(run->values[0], i);
-        const double foam = p->by_foam ? (double)*ssfr_values_at(run->values[1], i) : 0;
+        const double foam = (double)*ssfr_values_at(run->values[1], i);
         const bool spray = density < threshold;
         const double full = smoothstep(threshold, 2 * threshold, density);
-        run->values_out[0][i] = spray ? 0 : (float)(ssfr_mix(p->point_shrink, 1, full) * (1 - foam));
-        run->values_out[1][i] = spray;
+        const double water = ssfr_mix(p->point_shrink, 1, full) * (p->by_foam ? 1 - foam : 1);
+        run->values_out[0][i] = spray ? 0 : (float)water;
+        run->values_out[1][i] = spray ? 0 : p->by_foam ? (float)foam : foam > 0;
+        run->values_out[2][i] = spray;
     }
     return SSFR_OK;
 }

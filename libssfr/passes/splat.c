@@ -7,6 +7,11 @@
 const char *const ssfr_splat_forms[] = {"point", "quad", "exact", NULL};
 const char *const ssfr_splat_sizes[] = {"depth", "distance", NULL};
 
+static int root_of(const ssfr_splat_params *p)
+{
+    return p->form == SSFR_SPLAT_EXACT ? SSFR_ROOT_EXACT : p->root;
+}
+
 void ssfr_splat_derive(const ssfr_run *run, void *coeffs)
 {
     ssfr_splat *splat = coeffs;
@@ -15,6 +20,7 @@ void ssfr_splat_derive(const ssfr_run *run, void *coeffs)
     splat->max_point_px = p->max_point_px;
     splat->form = p->form;
     splat->by_distance = p->size == SSFR_SIZE_DISTANCE;
+    splat->root = root_of(p);
     splat->spares_foam = 0;
 }
 
@@ -22,9 +28,11 @@ bool ssfr_splat_define(const ssfr_run *run, int i, const char *more, char text[S
 {
     static const char *const forms[] = {"POINT", "QUAD", "EXACT"};
     const ssfr_splat_params *p = run->params;
-    const char *sizes = run->values[0]->same ? "" : "#define SIZES\n";
+    const char *sizes = run->values[0] && !run->values[0]->same ? "#define SIZES\n" : "";
+    const char *root = ssfr_root_define(root_of(p));
     text[0] = '\0';
-    if (sizes[0] || more[0]) snprintf(text, SSFR_DEFINES, "#define %s\n%s%s", forms[i], sizes, more);
+    if (sizes[0] || root[0] || more[0])
+        snprintf(text, SSFR_DEFINES, "#define %s\n%s%s%s", forms[i], sizes, root, more);
     return i == p->form;
 }
 

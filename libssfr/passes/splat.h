@@ -9,19 +9,20 @@
 #define SSFR_SPLAT_H
 
 #include "graph/pass.h"
+#include "passes/root.h"
 
 enum { SSFR_SPLAT_POINT, SSFR_SPLAT_QUAD, SSFR_SPLAT_EXACT };
 enum { SSFR_SIZE_DEPTH, SSFR_SIZE_DISTANCE };
 
 typedef struct ssfr_splat_params { /* the first member of the params of a pass that splats */
-    int form, size;
+    int form, size, root;
     double radius_scale, max_point_px;
 } ssfr_splat_params;
 
 typedef struct ssfr_splat { /* the first member of its coefficients */
     double radius;       /* m */
     double max_point_px;
-    int form, by_distance;
+    int form, by_distance, root;
     int spares_foam;     /* particles that are foam at all are not drawn; the second port of values is then foam */
 } ssfr_splat;
 
@@ -34,6 +35,9 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
                    "point sprite, quad, or the sphere's exact perspective outline and depth"),             \
     SSFR_SPLAT_ROW("size", size, SSFR_CHOICE, "1", SSFR_SIZE_DEPTH, 0, 0, ssfr_splat_sizes,                \
                    "what shrinks points and quads: depth along the view axis, or distance (Bagar's A.8)"), \
+    SSFR_SPLAT_ROW("root", root, SSFR_CHOICE, "1", SSFR_ROOT_EXACT, 0, 0, ssfr_roots,                      \
+                   "height of points and quads, sqrt(1 - r^2): computed, or looked up in 128 texels; that of "     \
+                   "exact splats is computed"),                                                            \
     SSFR_SPLAT_ROW("radius_scale", radius_scale, SSFR_REAL, "1", 1, 0.01, 100, NULL,                       \
                    "splat radius in particle radii"),                                                      \
     SSFR_SPLAT_ROW("max_point_px", max_point_px, SSFR_REAL, "px", 255, 1, 2048, NULL, "largest point sprite")
@@ -45,10 +49,12 @@ extern const char *const ssfr_splat_forms[], *const ssfr_splat_sizes[];
 
 /* The port of a pass that draws particles each at its own size: the first that carries values. */
 #define SSFR_SPLAT_SIZE_PORT {"size", SSFR_SLOT_water_size, .widens = true}
-/* `defines` of such a pass, whose programs have no further ones: no sizes are read where there are none. */
+/* `defines` of a pass that splats, whose programs have no further ones: no sizes are read where there are none, no ramp
+ * where roots are computed. */
 bool ssfr_splat_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES]);
 /* The same with these lines more. */
 bool ssfr_splat_define(const ssfr_run *run, int i, const char *more, char text[SSFR_DEFINES]);
+#define SSFR_SPLAT_TABLES {SSFR_ROOT_TABLES(ssfr_splat_params, root)}
 
 /* The three programs of a pass that splats: its fragment shader under each form; more: further defines. */
 #define SSFR_SPLAT_PROGRAMS(frag, more)                                                                               \
@@ -92,6 +98,9 @@ typedef struct ssfr_box { /* px; without x1 and y1 */
 } ssfr_box;
 /* The image's pixels in rows y0 to y1 - 1 between lo and hi (px). */
 ssfr_box ssfr_splat_box(const ssfr_run *run, const double lo[2], const double hi[2], int y0, int y1);
+/* An image where a centre (m, eye space) is seen, or at its nearest pixel; a centre before the near plane is seen as if
+ * in it. */
+double ssfr_splat_seen(const ssfr_run *run, const ssfr_field *image, const double centre[3]);
 /* Shades a fragment with what of it is before the near plane. */
 void ssfr_splat_emit(const ssfr_run *run, ssfr_fragment *f, ssfr_splat_shade *shade);
 

@@ -52,13 +52,13 @@ static bool place_outline(const ssfr_run *run, const ssfr_splat *splat, footprin
     return true;
 }
 
-static bool hit_disc(const ssfr_splat *splat, const footprint *f, ssfr_fragment *frag)
+static bool hit_disc(const ssfr_run *run, const ssfr_splat *splat, const footprint *f, ssfr_fragment *frag)
 {
     const double dx = frag->x + 0.5 - f->px[0], dy = frag->y + 0.5 - f->px[1];
     frag->a = dx / f->r[0], frag->b = dy / f->r[1];
     frag->r2 = frag->a * frag->a + frag->b * frag->b;
     if (frag->r2 > 1 || fabs(dx) > f->half || fabs(dy) > f->half) return false;
-    const double rise = splat->radius * sqrt(1 - frag->r2);
+    const double rise = splat->radius * ssfr_root_of(splat->root, run->tables, 1 - frag->r2);
     frag->front = f->centre[2] + rise, frag->back = f->centre[2] - rise;
     frag->chord = 2 * rise;
     return true;
@@ -123,7 +123,7 @@ static void draw_particle(const ssfr_run *run, size_t i, int y0, int y1, ssfr_sp
     const ssfr_box box = ssfr_splat_box(run, f.lo, f.hi, y0, y1);
     for (frag.y = box.y0; frag.y < box.y1; frag.y++)
         for (frag.x = box.x0; frag.x < box.x1; frag.x++)
-            if (exact ? hit_sphere(run, splat, &f, &frag) : hit_disc(splat, &f, &frag))
+            if (exact ? hit_sphere(run, splat, &f, &frag) : hit_disc(run, splat, &f, &frag))
                 ssfr_splat_emit(run, &frag, shade);
 }
 
@@ -141,4 +141,11 @@ void ssfr_splat_each(const ssfr_run *run, ssfr_splat_draw *draw, ssfr_splat_shad
 void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade)
 {
     ssfr_splat_each(run, draw_particle, shade);
+}
+
+double ssfr_splat_seen(const ssfr_run *run, const ssfr_field *image, const double c[3])
+{
+    const double *px = run->frame->block.image, away = fmax(-c[2], run->frame->near);
+    const double x = 0.5 * px[0] + c[0] / away / px[2], y = 0.5 * px[1] - c[1] / away / px[3];
+    return *ssfr_field_fetch(image, (int)ssfr_clamp(x, 0, run->w), (int)ssfr_clamp(y, 0, run->h));
 }

@@ -14,7 +14,13 @@ void ssfr_streak_derive(const ssfr_run *run, void *coeffs)
     *streak = (ssfr_streak){.radius = run->frame->radius * p->radius_scale, .motion_threshold = p->motion_threshold,
                             .facing = p->facing, .stretch = p->stretch,
                             .turned = p->orientation == SSFR_STREAK_VELOCITY,
-                            .in_view = p->plane == SSFR_STREAK_IN_VIEW};
+                            .in_view = p->plane == SSFR_STREAK_IN_VIEW, .root = p->root};
+}
+
+bool ssfr_streak_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
+{
+    snprintf(text, SSFR_DEFINES, "%s", ssfr_root_define(((const ssfr_streak_params *)run->params)->root));
+    return i == 0;
 }
 
 /* The front of a quad's middle is a radius before it, and of a quad that leans so is that of its end. */

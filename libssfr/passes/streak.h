@@ -27,7 +27,7 @@ enum { SSFR_STREAK_VELOCITY, SSFR_STREAK_SCREEN };
 enum { SSFR_STREAK_IN_MOTION, SSFR_STREAK_IN_VIEW };
 
 typedef struct ssfr_streak_params { /* the first member of the params of a pass that draws streaks */
-    int orientation, plane;
+    int orientation, plane, root;
     double motion_threshold, facing, stretch, radius_scale;
 } ssfr_streak_params;
 
@@ -36,7 +36,7 @@ typedef struct ssfr_streak { /* the first member of its coefficients */
     double motion_threshold; /* m/s, slower particles are not turned */
     double facing;           /* |cosine| between motion and ray above which they are not either */
     double stretch;
-    int turned, in_view;
+    int turned, in_view, root;
 } ssfr_streak;
 
 extern const char *const ssfr_streak_orientations[], *const ssfr_streak_planes[];
@@ -51,6 +51,8 @@ extern const char *const ssfr_streak_orientations[], *const ssfr_streak_planes[]
     SSFR_STREAK_ROW(plane, SSFR_CHOICE, "1", SSFR_STREAK_IN_MOTION, 0, 0, ssfr_streak_planes,                    \
                     "turned quads hold the motion's direction in space (listing A.10), or lie parallel to the "  \
                     "image (the text)"),                                                                         \
+    SSFR_STREAK_ROW(root, SSFR_CHOICE, "1", SSFR_ROOT_EXACT, 0, 0, ssfr_roots,                                   \
+                    "height of quads, sqrt(1 - r^2): computed, or looked up in 128 texels"),                     \
     SSFR_STREAK_REAL(motion_threshold, "m/s", 0.5, 0, 1e9, "slower particles are not turned"),                   \
     SSFR_STREAK_REAL(facing, "1", 0.95, 0, 0.9999, "|cosine| between motion and ray from which none is turned"), \
     SSFR_STREAK_REAL(stretch, "1", 2, 1, 100, "half length of a turned quad in radii of the splat"),             \
@@ -67,6 +69,9 @@ extern const char *const ssfr_streak_orientations[], *const ssfr_streak_planes[]
 /* The first ports of such a pass that carry values; it may have others after them. */
 #define SSFR_STREAK_PORTS(size_slot) {"size", size_slot, .widens = true}, {"velocity", SSFR_SLOT_velocity}
 #define SSFR_STREAK_PROGRAMS(frag, more) {{"streak.vert", frag, more}}
+/* The first of its `tables`, and its `defines`. */
+#define SSFR_STREAK_TABLES SSFR_ROOT_TABLES(ssfr_streak_params, root)
+bool ssfr_streak_defines(const ssfr_run *run, int i, char text[SSFR_DEFINES]);
 
 void ssfr_streak_derive(const ssfr_run *run, void *coeffs);
 double ssfr_streak_reach(const void *params);

@@ -98,7 +98,8 @@ static bool meet(const ssfr_run *run, const quad *q, ssfr_fragment *f)
     f->a = ssfr_dot(p, q->along) / q->half[0], f->b = ssfr_dot(p, q->across) / q->half[1];
     f->r2 = f->a * f->a + f->b * f->b;
     if (!(t >= run->frame->near && f->r2 <= 1)) return false;
-    const double rise = q->radius * sqrt(1 - f->r2);
+    const double root = ssfr_root_of(((const ssfr_streak *)run->coeffs)->root, run->tables, 1 - f->r2);
+    const double rise = q->radius * root;
     f->front = -t + rise, f->back = -t - rise;
     f->chord = 2 * rise;
     f->area = q->area;
@@ -108,7 +109,7 @@ static bool meet(const ssfr_run *run, const quad *q, ssfr_fragment *f)
 static void draw_streak(const ssfr_run *run, size_t i, int y0, int y1, ssfr_splat_shade *shade)
 {
     quad q;
-    ssfr_fragment f = {.particle = i};
+    ssfr_fragment f = {.particle = i, .centre = q.centre};
     if (!place(run, run->coeffs, i, &q)) return;
     const ssfr_box box = ssfr_splat_box(run, q.lo, q.hi, y0, y1);
     for (f.y = box.y0; f.y < box.y1; f.y++)

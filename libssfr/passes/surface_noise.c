@@ -36,12 +36,25 @@ static void derive(const ssfr_run *run, void *coeffs)
     c->has_ids = run->frame->particles && run->frame->particles->id;
 }
 
+static bool defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
+{
+    return ssfr_splat_define(run, i, "#define PARTICLE\n", text);
+}
+
+/* Heights decide how deep below the surface a fragment is; noise is below 1, and few particles are near the surface. */
+static void widen(const ssfr_run *run, ssfr_tolerance *tolerance)
+{
+    const ssfr_surface_noise_coeffs *c = run->coeffs;
+    tolerance->abs += 2 * c->falloff * c->splat.radius * ssfr_root_rounding(c->splat.root);
+}
+
 const ssfr_pass ssfr_surface_noise = {
     .name = "surface_noise",
     .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (Fig. 2.10)",
     .help = "noise that is advected with the particles, fading with the depth below the surface",
     .inputs = {{"depth", SSFR_SLOT_fluid_depth}},
     .outputs = {{"noise", SSFR_SLOT_noise}},
+    .tables = SSFR_SPLAT_TABLES,
     .params = rows,
     .params_size = sizeof(surface_noise_params),
     .coeffs_size = sizeof(ssfr_surface_noise_coeffs),
@@ -52,8 +65,10 @@ const ssfr_pass ssfr_surface_noise = {
     .reach = ssfr_splat_reach,
     .cpu_run = ssfr_surface_noise_cpu,
     .programs = SSFR_SPLAT_PROGRAMS("surface_noise.frag", "#define PARTICLE\n"),
+    .defines = defines,
     .uniforms = uniforms,
     .gl_run = ssfr_splat_gl_add,
     .work = ssfr_splat_work,
     .tolerance = {.abs = 1e-3, .rel = 1e-3, .outliers = 0.02},
+    .widen = widen,
 };

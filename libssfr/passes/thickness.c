@@ -25,12 +25,21 @@ ssfr_storage ssfr_thickness_storage(const void *params)
     return (ssfr_storage)((const ssfr_thickness_params *)params)->storage;
 }
 
+/* Of n chords 2 R h, whose mean height h is 2/3. */
+void ssfr_thickness_widen(const ssfr_run *run, ssfr_tolerance *tolerance)
+{
+    const ssfr_thickness_coeffs *c = run->coeffs;
+    tolerance->abs += 2 * c->splat.radius * c->scale * ssfr_root_rounding(c->splat.root);
+    tolerance->rel += 1.5 * ssfr_root_rounding(c->splat.root);
+}
+
 const ssfr_pass ssfr_thickness = {
     .name = "thickness",
     .source = "van der Laan 2009, after Bagar 2010, eqs 2.17 and 3.4, listing A.15",
     .help = "adds up each particle's thickness along the view ray",
     .inputs = {{"scene_depth", SSFR_SLOT_scene_depth}, SSFR_SPLAT_SIZE_PORT},
     .outputs = {{"thickness", SSFR_SLOT_thickness}},
+    .tables = SSFR_SPLAT_TABLES,
     .params = rows,
     .params_size = sizeof(ssfr_thickness_params),
     .coeffs_size = sizeof(ssfr_thickness_coeffs),
@@ -47,4 +56,5 @@ const ssfr_pass ssfr_thickness = {
     .work = ssfr_splat_work,
     .tolerance = SSFR_THICKNESS_TOLERANCE,
     .half_tolerance = SSFR_THICKNESS_HALF_TOLERANCE,
+    .widen = ssfr_thickness_widen,
 };

@@ -45,6 +45,7 @@ extern const char *const ssfr_thickness_kernels[], *const ssfr_thickness_occlusi
 
 void ssfr_thickness_derive(const ssfr_run *run, void *coeffs);
 ssfr_storage ssfr_thickness_storage(const void *params);
+void ssfr_thickness_widen(const ssfr_run *run, ssfr_tolerance *tolerance);
 
 /* What a particle adds at a pixel, m; 0 where it is behind the scene. f->back is then where that ends. */
 double ssfr_thickness_of(const ssfr_run *run, ssfr_fragment *f);

@@ -8,6 +8,13 @@ static bool needed(const ssfr_run *run)
     return !run->values[0]->same && !run->values[1]->same;
 }
 
+/* Once the longest fades are over it no longer matters what they began from. */
+static double history(const void *params)
+{
+    const ssfr_weber_params *p = params;
+    return p->fade_in_max + p->lifetime * p->lifetime_share_max;
+}
+
 static void finish(void *state)
 {
     ssfr_weber_foam_state *s = state;
@@ -16,10 +23,10 @@ static void finish(void *state)
 
 const ssfr_pass ssfr_weber_foam = {
     .name = "weber_foam",
-    .source = "Bagar 2010, secs 3.2.1 and 4.2, listings A.1 and A.2",
-    .help = "tells how much of each particle is foam, from its Weber number and what it was in the frame before",
+    .source = "Bagar 2010, secs 3.2.1 and 4.2, listings A.1 to A.3",
+    .help = "tells how much of each particle is foam, and since when, from its Weber number and what it was before",
     .inputs = {{"velocity", SSFR_SLOT_velocity}, {"density", SSFR_SLOT_density}},
-    .outputs = {{"foam", SSFR_SLOT_foam}},
+    .outputs = {{"foam", SSFR_SLOT_foam}, {"lifetime", SSFR_SLOT_lifetime}},
     .params = ssfr_weber_rows,
     .params_size = sizeof(ssfr_weber_params),
     .needed = needed,
@@ -27,4 +34,5 @@ const ssfr_pass ssfr_weber_foam = {
     .particles_run = ssfr_weber_foam_run,
     .state_size = sizeof(ssfr_weber_foam_state),
     .state_finish = finish,
+    .history = history,
 };

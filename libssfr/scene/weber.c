@@ -2,6 +2,8 @@
 /* weber.c: foam by Weber number: four phases, followed by the particles' ids (Bagar 2010, secs 3.2.1 and 4.2). */
 #include "scene/classify.h"
 
+#include <limits.h>
+
 static const char *const transitions[] = {"time", "weber", NULL};
 static const char *const starts[] = {"implied", "water", NULL};
 
@@ -22,6 +24,9 @@ const ssfr_param ssfr_weber_rows[] = {
     REAL(lifetime, "s", 1, 0, 1e6, "time from foam to water, before it is varied"),
     REAL(lifetime_share_min, "1", 0.5, 0, 1e3, "least share of the lifetime"),
     REAL(lifetime_share_max, "1", 1.5, 0, 1e3, "largest share of the lifetime"),
+    SSFR_PARAM_INT(ssfr_weber_params, lag, "frames", 1, 0, 1,
+                   "how late foam is: it is updated while the next frame is simulated (sec. 4.2, listing A.3)"),
+    SSFR_PARAM_INT(ssfr_weber_params, seed, "1", 0, 0, INT_MAX, "of the random times"),
     SSFR_PARAM_END,
 };
 
@@ -105,12 +110,13 @@ typedef struct state {
     unsigned draws : 30; /* random numbers taken so far */
     unsigned phase : 2;
     double timer;        /* s, left of the fade */
-    double lifetime;     /* s, the fade's whole time */
+    double fade;         /* s, its whole time */
+    double lifetime;     /* s, since the turn to foam began */
+    float foam;
 } state;
 
 struct ssfr_weber {
     ssfr_weber_params params;
-    uint64_t seed;
     bool started, nameless; /* a frame was seen; it had no ids */
     size_t n, capacity;
     state *states, *next;   /* by rising id */
@@ -120,22 +126,36 @@ struct ssfr_weber {
 /* In [lo, hi). */
 static double draw(const ssfr_weber *weber, state *s, double lo, double hi)
 {
-    const uint64_t seed = weber->seed + 0x9e3779b97f4a7c15u, who = ssfr_mix_bits((uint64_t)s->id << 32 | s->draws);
+    const uint64_t seed = (uint64_t)weber->params.seed + 0x9e3779b97f4a7c15u;
+    const uint64_t who = ssfr_mix_bits((uint64_t)s->id << 32 | s->draws);
     const uint64_t bits = ssfr_mix_bits(ssfr_mix_bits(seed) ^ who);
     s->draws = (s->draws + 1) & 0x3fffffff;
     return ssfr_mix(lo, hi, (double)(bits >> 11) * 0x1p-53);
 }
 
-static void begin_fade(state *s, ssfr_phase phase, double lifetime)
+static void begin_fade(state *s, ssfr_phase phase, double time)
 {
     s->phase = (unsigned)phase & 3;
-    s->timer = s->lifetime = lifetime;
+    s->timer = s->fade = time;
+    if (phase == SSFR_PHASE_WATER) s->lifetime = 0;
+}
+
+static float faded(const state *s)
+{
+    const double left = s->fade > 0 ? s->timer / s->fade : 1;
+    switch ((ssfr_phase)s->phase) {
+    case SSFR_PHASE_WATER_TO_FOAM: return (float)(1 - left);
+    case SSFR_PHASE_FOAM: return 1;
+    case SSFR_PHASE_FOAM_TO_WATER: return (float)left;
+    default: return 0;
+    }
 }
 
 /* Listings A.1 and A.2. */
-static void advance(const ssfr_weber *weber, state *s, double number, double dt)
+static void turn_in_time(const ssfr_weber *weber, state *s, double number, double dt)
 {
     const ssfr_weber_params *p = &weber->params;
+    if (s->phase != SSFR_PHASE_WATER) s->lifetime += dt;
     switch ((ssfr_phase)s->phase) {
     case SSFR_PHASE_WATER:
         if (number >= p->threshold)
@@ -152,17 +172,43 @@ static void advance(const ssfr_weber *weber, state *s, double number, double dt)
             begin_fade(s, s->phase == SSFR_PHASE_WATER_TO_FOAM ? SSFR_PHASE_FOAM : SSFR_PHASE_WATER, 0);
         break;
     }
+    s->foam = faded(s);
 }
 
-static float foam_value(const state *s)
+/* From 0 at 1 - band thresholds to 1 at 1 + band. */
+static double linear_foam(const ssfr_weber_params *p, double number)
 {
-    const double left = s->lifetime > 0 ? s->timer / s->lifetime : 1;
-    switch ((ssfr_phase)s->phase) {
-    case SSFR_PHASE_WATER_TO_FOAM: return (float)(1 - left);
-    case SSFR_PHASE_FOAM: return 1;
-    case SSFR_PHASE_FOAM_TO_WATER: return (float)left;
-    default: return 0;
+    if (number >= p->threshold * (1 + p->band)) return 1;
+    return ssfr_clamp((number / p->threshold - (1 - p->band)) / (2 * p->band), 0, 1);
+}
+
+/* The text: the Weber number alone says how much is foam. */
+static void turn_by_number(const ssfr_weber *weber, state *s, double number, double dt)
+{
+    const double foam = linear_foam(&weber->params, number);
+    s->lifetime = s->phase == SSFR_PHASE_WATER || foam <= 0 ? 0 : s->lifetime + dt;
+    s->phase = foam <= 0 ? SSFR_PHASE_WATER : foam < 1 ? SSFR_PHASE_WATER_TO_FOAM : SSFR_PHASE_FOAM;
+    s->foam = (float)foam;
+}
+
+/* As if for long: since a random time that is more than a fade takes, over as long as foam lasts. */
+static void imply(const ssfr_weber *weber, state *s, double number)
+{
+    const ssfr_weber_params *p = &weber->params;
+    if (p->transition == SSFR_TRANSITION_WEBER) {
+        turn_by_number(weber, s, number, 0);
+    } else {
+        s->phase = number >= p->threshold ? SSFR_PHASE_FOAM : SSFR_PHASE_WATER;
+        s->foam = faded(s);
     }
+    if (s->phase != SSFR_PHASE_WATER) s->lifetime = draw(weber, s, p->fade_in_max, p->fade_in_max + p->lifetime);
+}
+
+static void turn(const ssfr_weber *weber, state *s, double number, double dt)
+{
+    if (!weber->started && weber->params.start == SSFR_START_IMPLIED) imply(weber, s, number);
+    else if (weber->params.transition == SSFR_TRANSITION_WEBER) turn_by_number(weber, s, number, dt);
+    else turn_in_time(weber, s, number, dt);
 }
 
 /* ---- all particles, by id ---------------------------------------------------------------------------------------- */
@@ -237,68 +283,46 @@ static void take_over(ssfr_weber *weber, size_t n)
     }
 }
 
-static void advance_all(ssfr_weber *weber, const ssfr_particles *particles, double dt, float *foam,
-                        unsigned char *phase)
+/* What a step is asked for; each may be NULL. */
+typedef struct told {
+    float *foam, *lifetime;
+    unsigned char *phase;
+} told;
+
+static void tell(const told *to, size_t i, const state *s)
 {
-    const bool imply = !weber->started && weber->params.start == SSFR_START_IMPLIED;
+    if (to->foam) to->foam[i] = s->foam;
+    if (to->lifetime) to->lifetime[i] = (float)s->lifetime;
+    if (to->phase) to->phase[i] = s->phase;
+}
+
+/* Foam that lags is what it was before this turn; those that are new were water. */
+static void turn_all(ssfr_weber *weber, const ssfr_particles *particles, double dt, const told *to)
+{
+    const bool late = weber->params.lag && weber->started;
     const double scale = weber_scale(&weber->params, particles);
 #pragma omp parallel for schedule(static)
     for (size_t k = 0; k < particles->n; k++) {
         state *s = &weber->next[k];
         const size_t i = (uint32_t)weber->keys[k];
-        const double number = weber_number(particles, i, scale);
-        if (imply) s->phase = number >= weber->params.threshold ? SSFR_PHASE_FOAM : SSFR_PHASE_WATER;
-        else advance(weber, s, number, dt);
-        if (foam) foam[i] = foam_value(s);
-        if (phase) phase[i] = s->phase;
+        if (late) tell(to, i, s);
+        turn(weber, s, weber_number(particles, i, scale), dt);
+        if (!late) tell(to, i, s);
     }
 }
 
-static ssfr_result step_in_time(ssfr_weber *weber, const ssfr_particles *particles, double dt, float *foam,
-                                unsigned char *phase)
+static ssfr_result check_ids(const ssfr_weber *weber, const ssfr_particles *particles)
 {
     ssfr_result result = SSFR_OK;
     if (weber->started && particles->n) SSFR_TRY(ssfr_particles_need(particles, "id", "foam from frame to frame"));
     if (weber->nameless)
         SSFR_TRY(ssfr_fail(SSFR_ERR_VALUE, "the last frame's particles had no array \"id\": foam from frame to frame "
                                            "needs it"));
-    SSFR_TRY(reserve(weber, particles->n));
-    SSFR_TRY(list_ids(weber, particles));
-    take_over(weber, particles->n);
-    advance_all(weber, particles, dt, foam, phase);
-    state *const swap = weber->states;
-    weber->states = weber->next;
-    weber->next = swap;
-    weber->n = particles->n;
-    weber->nameless = particles->n && !particles->id;
-    weber->started = true;
 end:
     return result;
 }
 
-/* ---- by the Weber number alone ----------------------------------------------------------------------------------- */
-
-/* From 0 at 1 - band thresholds to 1 at 1 + band. */
-static double linear_foam(const ssfr_weber_params *p, double number)
-{
-    if (number >= p->threshold * (1 + p->band)) return 1;
-    return ssfr_clamp((number / p->threshold - (1 - p->band)) / (2 * p->band), 0, 1);
-}
-
-static void classify_linear(const ssfr_weber *weber, const ssfr_particles *particles, float *foam, unsigned char *phase)
-{
-    const double scale = weber_scale(&weber->params, particles);
-#pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < particles->n; i++) {
-        const double value = linear_foam(&weber->params, weber_number(particles, i, scale));
-        if (foam) foam[i] = (float)value;
-        if (phase) phase[i] = value <= 0 ? SSFR_PHASE_WATER : value < 1 ? SSFR_PHASE_WATER_TO_FOAM : SSFR_PHASE_FOAM;
-    }
-}
-
-/* ---- the interface ----------------------------------------------------------------------------------------------- */
-
-ssfr_result ssfr_weber_create(ssfr_weber **out, const ssfr_weber_params *params, uint64_t seed)
+ssfr_result ssfr_weber_create(ssfr_weber **out, const ssfr_weber_params *params)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_weber_params p = params ? *params : ssfr_weber_defaults();
@@ -306,7 +330,6 @@ ssfr_result ssfr_weber_create(ssfr_weber **out, const ssfr_weber_params *params,
     SSFR_TRY(ssfr_params_check(ssfr_weber_rows, &p, "weber"));
     SSFR_TRY(ssfr_alloc(out, 1, sizeof **out, "foam phases"));
     (*out)->params = p;
-    (*out)->seed = seed;
 end:
     return result;
 }
@@ -325,16 +348,23 @@ void ssfr_weber_restart(ssfr_weber *weber, const ssfr_weber_params *params)
     weber->n = 0;
 }
 
-ssfr_result ssfr_weber_step(ssfr_weber *weber, const ssfr_particles *particles, double dt, float *foam,
+ssfr_result ssfr_weber_step(ssfr_weber *weber, const ssfr_particles *particles, double dt, float *foam, float *lifetime,
                             unsigned char *phase)
 {
     ssfr_result result = SSFR_OK;
     if (!(dt >= 0 && isfinite(dt))) SSFR_TRY(ssfr_fail(SSFR_ERR_VALUE, "foam: a frame %g s after the last", dt));
     SSFR_TRY(check_particles(&weber->params, particles));
-    if (weber->params.transition == SSFR_TRANSITION_TIME)
-        SSFR_TRY(step_in_time(weber, particles, dt, foam, phase));
-    else
-        classify_linear(weber, particles, foam, phase);
+    SSFR_TRY(check_ids(weber, particles));
+    SSFR_TRY(reserve(weber, particles->n));
+    SSFR_TRY(list_ids(weber, particles));
+    take_over(weber, particles->n);
+    turn_all(weber, particles, dt, &(told){foam, lifetime, phase});
+    state *const swap = weber->states;
+    weber->states = weber->next;
+    weber->next = swap;
+    weber->n = particles->n;
+    weber->nameless = particles->n && !particles->id;
+    weber->started = true;
 end:
     return result;
 }
