@@ -230,7 +230,7 @@ static ssfr_result begin_tables(command *c)
                                    layout->n_keys, c->words.resume, &resumed));
         if (resumed) SSFR_TRY(ssfr_meta_check(c->paths[i], identity_of(c)));
     }
-    c->bandwidth = c->words.output && !c->words.quick ? ssfr_measure_copy_bandwidth(NULL) : NAN;
+    c->bandwidth = c->words.output && !c->words.quick ? ssfr_measure_copy_bandwidth(NULL, 0) : NAN;
     for (int i = 0; i < SSFR_N_BENCH_TABLES && c->words.output; i++) SSFR_TRY(save_meta(c, i));
 end:
     return result;

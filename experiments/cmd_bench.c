@@ -27,7 +27,8 @@ static const ssfr_option rows[] = {
     ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default splash)", 0, 0),
     ROW(output, "output", 'o', TEXT, "FILE.csv", "write the table as CSV too, with FILE.meta.json beside it", 0, 0),
     ROW(quick, "quick", 0, FLAG, NULL, "3 runs and 0.2 s instead of 10 and 1 s", 0, 0),
-    ROW(max_time, "max-time", 0, NUMBER, "S", "cap the timed frames, s; one is always timed", 1e-3, 1e6),
+    ROW(max_time, "max-time", 0, NUMBER, "S",
+        "cap the timed frames, and the copies that they are held against, s; one is always timed", 1e-3, 1e6),
     SSFR_OPTION_END,
 };
 
@@ -53,7 +54,7 @@ static ssfr_result measure(bench *b, const bench_options *options)
     ssfr_result result = SSFR_OK;
     ssfr_measure_options m = ssfr_measure_defaults(options->quick);
     m.max_seconds = options->max_time;
-    b->bandwidth = ssfr_measure_copy_bandwidth(b->setup.gl);
+    b->bandwidth = ssfr_measure_copy_bandwidth(b->setup.gl, options->max_time);
     SSFR_TRY(ssfr_measure_graph(&b->frame, b->setup.graph, &b->stage->scene, &m));
     m.nodes = true;
     SSFR_TRY(ssfr_measure_graph(&b->timed, b->setup.graph, &b->stage->scene, &m));

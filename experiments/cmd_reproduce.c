@@ -6,6 +6,7 @@
 #include "experiments/interrupt.h"
 #include "experiments/options.h"
 #include "experiments/papers.h"
+#include "experiments/recipe.h"
 #include "experiments/scenes/make.h"
 #include "experiments/sweep.h"
 
@@ -28,7 +29,8 @@ static const ssfr_option rows[] = {
         "quick (default): a sixteenth of the particles of described scenes, half the width and height, 3 runs a row", 0,
         0),
     ROW(output, "output", 'o', TEXT, "DIR",
-        "where tables go (default results): DIR/PAPER/ITEM.csv, .meta.json and .svg, and DIR/claims.csv", 0, 0),
+        "where tables go (default results): DIR/PAPER/ITEM.csv, .meta.json and .svg, pictures to DIR/PAPER/ITEM/, and "
+        "DIR/claims.csv", 0, 0),
     ROW(anew, "anew", 0, FLAG, NULL, "measure anew: rows that are there do not stay", 0, 0),
     ROW(claims, "claims", 0, FLAG, NULL, "measure nothing: hold the tables that are there to the claims", 0, 0),
     ROW(list, "list", 0, FLAG, NULL, "list papers, items, titles and numbers of runs, and leave", 0, 0),
@@ -40,7 +42,8 @@ typedef struct item { /* one that was chosen, read and checked */
     const ssfr_paper *paper;
     char *name; /* "paper/item" */
     const char *item;
-    ssfr_sweep_spec *spec;
+    ssfr_sweep_spec *spec; /* of a sweep, */
+    ssfr_recipe *recipe;   /* or of other commands; the other is NULL */
     ssfr_published *published; /* NULL for none */
 } item;
 
@@ -58,7 +61,7 @@ typedef struct reproduction {
 static ssfr_result read_published(reproduction *r, item *it)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_published_spec *spec = &it->spec->published;
+    const ssfr_published_spec *spec = it->spec ? &it->spec->published : &it->recipe->published;
     char path[SSFR_PAPER_PATH], name[SSFR_PAPER_PATH], *text = NULL;
     size_t size;
     if (!spec->file) return SSFR_OK;
@@ -79,6 +82,16 @@ static ssfr_result name_item(item *it)
     return result;
 }
 
+static ssfr_result read_sweep(const reproduction *r, item *it, const char *path, const char *text, size_t size)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_sweep_spec_parse(&it->spec, path, text, size));
+    SSFR_TRY(ssfr_sweep_spec_complete(it->spec));
+    if (r->words->scale == SSFR_SCALE_QUICK) SSFR_TRY(ssfr_sweep_spec_quicken(it->spec));
+end:
+    return result;
+}
+
 static ssfr_result read_item(reproduction *r, item *it)
 {
     ssfr_result result = SSFR_OK;
@@ -88,9 +101,9 @@ static ssfr_result read_item(reproduction *r, item *it)
     snprintf(name, sizeof name, "%s.yaml", it->item);
     ssfr_papers_path(r->papers, it->paper->name, name, path);
     SSFR_TRY(ssfr_papers_read(r->papers, it->paper->name, name, &text, &size));
-    SSFR_TRY(ssfr_sweep_spec_parse(&it->spec, path, text, size));
-    SSFR_TRY(ssfr_sweep_spec_complete(it->spec));
-    if (r->words->scale == SSFR_SCALE_QUICK) SSFR_TRY(ssfr_sweep_spec_quicken(it->spec));
+    SSFR_TRY(ssfr_recipe_parse(&it->recipe, path, text, size));
+    if (!it->recipe) SSFR_TRY(read_sweep(r, it, path, text, size));
+    if (it->recipe && r->words->scale == SSFR_SCALE_QUICK) ssfr_recipe_quicken(it->recipe);
     SSFR_TRY(read_published(r, it));
 end:
     free(text);
@@ -115,7 +128,7 @@ static ssfr_result check_item(const reproduction *r, const item *it)
 {
     ssfr_sweep_options options = r->options;
     options.published = it->published;
-    return ssfr_sweep_check(it->spec, &options);
+    return it->spec ? ssfr_sweep_check(it->spec, &options) : SSFR_OK;
 }
 
 /* ---- choosing ---------------------------------------------------------------------------------------------------- */
@@ -209,17 +222,34 @@ end:
     return result;
 }
 
+static ssfr_result run_sweep(const reproduction *r, const item *it, const char *base, const char *what)
+{
+    char path[MOST_PATH];
+    ssfr_sweep_options options = r->options;
+    snprintf(path, sizeof path, "%s.csv", base);
+    options.output = path, options.what = what, options.published = it->published;
+    return ssfr_sweep_run(it->spec, &options);
+}
+
+static ssfr_result run_recipe(const reproduction *r, const item *it, const char *base, const char *what)
+{
+    const ssfr_recipe_options options = {.item = base,
+                                         .what = what,
+                                         .scale = ssfr_scale_words[r->words->scale],
+                                         .published = it->published,
+                                         .anew = r->words->anew};
+    return ssfr_recipe_run(it->recipe, &options);
+}
+
 static ssfr_result run_item(const reproduction *r, size_t i)
 {
     ssfr_result result = SSFR_OK;
     const item *it = &r->items[i];
-    char path[MOST_PATH], what[256];
-    ssfr_sweep_options options = r->options;
-    snprintf(path, sizeof path, "%s/%s.csv", r->words->output, it->name);
+    char base[MOST_PATH - 16], what[256];
+    snprintf(base, sizeof base, "%s/%s", r->words->output, it->name);
     snprintf(what, sizeof what, "%s, %zu of %zu", it->name, i + 1, r->n_items);
-    options.output = path, options.what = what, options.published = it->published;
     SSFR_TRY(make_folders(r, it->paper->name));
-    SSFR_TRY(ssfr_sweep_run(it->spec, &options));
+    SSFR_TRY(it->spec ? run_sweep(r, it, base, what) : run_recipe(r, it, base, what));
     if (ssfr_interrupt_came() && i + 1 < r->n_items)
         result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu items; the same command goes on from there",
                            i + 1, r->n_items);
@@ -295,11 +325,15 @@ static ssfr_result list(const reproduction *r)
     for (size_t i = 0; i < SSFR_COUNT(head); i++) SSFR_TRY(ssfr_table_add(&table, "%s", head[i]));
     for (size_t i = 0; i < r->n_items; i++) {
         const item *it = &r->items[i];
+        const char *title = it->spec ? it->spec->title : it->recipe->title;
         size_t n = 0;
-        SSFR_TRY(ssfr_sweep_spec_count(it->spec, &n));
+        if (it->spec)
+            SSFR_TRY(ssfr_sweep_spec_count(it->spec, &n));
+        else
+            n = it->recipe->steps.n;
         SSFR_TRY(ssfr_table_add(&table, "%s", it->paper->name));
         SSFR_TRY(ssfr_table_add(&table, "%s", it->item));
-        SSFR_TRY(ssfr_table_add(&table, "%s", it->spec->title ? it->spec->title : ""));
+        SSFR_TRY(ssfr_table_add(&table, "%s", title ? title : ""));
         SSFR_TRY(ssfr_table_add(&table, "%zu", n));
     }
     ssfr_table_print(&table, stdout);
@@ -315,6 +349,7 @@ static void finish(reproduction *r)
     for (size_t i = 0; i < r->n_items; i++) {
         ssfr_published_destroy(&r->items[i].published);
         ssfr_sweep_spec_destroy(&r->items[i].spec);
+        ssfr_recipe_destroy(&r->items[i].recipe);
         free(r->items[i].name);
     }
     for (size_t i = 0; r->claims && i < r->papers->n; i++) ssfr_claims_destroy(&r->claims[i]);

@@ -16,8 +16,8 @@ typedef struct sweep_words {
 #define ROW(...) SSFR_OPTION(sweep_words, __VA_ARGS__)
 static const ssfr_option rows[] = {
     ROW(vary, "vary", 0, LIST, "AXIS",
-        "KEY=A,B,C, KEY=LO:HI:STEP or 'KEY=LO:HI:N log'; a parameter, scene, size or backend; the last given runs "
-        "fastest",
+        "KEY=A,B,C, KEY=LO:HI:STEP or 'KEY=LO:HI:N log'; a parameter, pipeline, variant, scene, camera, view, frame, "
+        "size, leave_out or backend; the last given runs fastest",
         0, 0),
     ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default splash)", 0, 0),
     ROW(pipeline, "pipeline", 'p', TEXT, "NAME", "what to render with (default vanderlaan2009)", 0, 0),
@@ -35,7 +35,8 @@ static const ssfr_option rows[] = {
     ROW(shard, "shard", 0, TEXT, "K/N", "make the K-th of N parts of the runs", 0, 0),
     ROW(dry_run, "dry-run", 0, FLAG, NULL, "check everything and list the runs, but make none", 0, 0),
     ROW(quick, "quick", 0, FLAG, NULL, "3 runs and 0.2 s a row instead of 10 and 1 s", 0, 0),
-    ROW(max_time, "max-time", 0, NUMBER, "S", "cap the timed frames of a row, s; one is always timed", 1e-3, 1e6),
+    ROW(max_time, "max-time", 0, NUMBER, "S",
+        "cap the timed frames of a row, and the copies that all are held against, s; one is always timed", 1e-3, 1e6),
     ROW(no_twin, "no-twin", 0, FLAG, NULL,
         "do not compare OpenGL with the CPU twins, which take their time: twin_ and method_ stay empty", 0, 0),
     ROW(no_plot, "no-plot", 0, FLAG, NULL, "do not draw the figures that the SPEC asks for", 0, 0),
@@ -62,8 +63,15 @@ static ssfr_result vary_size(ssfr_sweep_spec *spec, const int size[2])
     return ssfr_sweep_spec_vary(spec, "--size", "size", text);
 }
 
+static ssfr_result vary_frame(ssfr_sweep_spec *spec, long frame)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%ld", frame);
+    return ssfr_sweep_spec_vary(spec, "--frame", "frame", text);
+}
+
 /* What the command line says counts for more than what the file says. */
-static ssfr_result merge(ssfr_sweep_spec *spec, const sweep_words *w, const int size[2])
+static ssfr_result merge(ssfr_sweep_spec *spec, const sweep_words *w, const ssfr_stage_options *stage)
 {
     ssfr_result result = SSFR_OK;
     for (int i = 0; i < w->vary.n; i++) SSFR_TRY(ssfr_sweep_spec_vary_text(spec, "--vary", w->vary.items[i]));
@@ -71,9 +79,11 @@ static ssfr_result merge(ssfr_sweep_spec *spec, const sweep_words *w, const int 
     for (int i = 0; i < w->reference.n; i++)
         SSFR_TRY(ssfr_sweep_spec_reference_text(spec, "--reference", w->reference.items[i]));
     if (w->scene) SSFR_TRY(ssfr_sweep_spec_vary(spec, "--scene", "scene", w->scene));
-    if (size[0]) SSFR_TRY(vary_size(spec, size));
+    if (stage->size[0]) SSFR_TRY(vary_size(spec, stage->size));
+    if (stage->camera) SSFR_TRY(ssfr_sweep_spec_vary(spec, "--camera", "camera", stage->camera));
+    if (stage->frame >= 0) SSFR_TRY(vary_frame(spec, stage->frame));
     if (w->backend) SSFR_TRY(ssfr_sweep_spec_vary(spec, "--backend", "backend", w->backend));
-    if (w->pipeline) SSFR_TRY(ssfr_sweep_spec_pipeline(spec, w->pipeline));
+    if (w->pipeline) SSFR_TRY(ssfr_sweep_spec_vary(spec, "--pipeline", "pipeline", w->pipeline));
     SSFR_TRY(ssfr_sweep_spec_complete(spec));
 end:
     return result;
@@ -118,7 +128,7 @@ int ssfr_cmd_sweep(int argc, char **argv)
         SSFR_TRY(ssfr_sweep_spec_load(&spec, line.arguments.items[0]));
     else
         SSFR_TRY(ssfr_sweep_spec_create(&spec));
-    SSFR_TRY(merge(spec, &words, options.stage.size));
+    SSFR_TRY(merge(spec, &words, &options.stage));
     if (spec->published.file)
         SSFR_TRY(ssfr_published_load(&published, &spec->published, line.arguments.items[0]));
     options.published = published;

@@ -2,8 +2,9 @@
 /* columns.c: the measured columns by name, and headers with units. */
 #include "experiments/columns.h"
 
-const ssfr_column ssfr_columns[SSFR_N_COLUMNS] = {
+const ssfr_column ssfr_columns[SSFR_N_COLUMNS + SSFR_N_COLUMN_TEXTS] = {
 #define X(name, unit, better, help) {#name, unit, better, help},
+#define T(name, help) {#name, "1", 0, help},
 #include "experiments/columns.def"
 #undef X
 };
@@ -11,7 +12,7 @@ const ssfr_column ssfr_columns[SSFR_N_COLUMNS] = {
 const ssfr_column *ssfr_column_find(const char *name)
 {
     const ssfr_column *found = NULL;
-    for (size_t i = 0; i < SSFR_N_COLUMNS && !found; i++)
+    for (size_t i = 0; i < SSFR_COUNT(ssfr_columns) && !found; i++)
         if (strcmp(ssfr_columns[i].name, name) == 0) found = &ssfr_columns[i];
     return found;
 }

@@ -12,13 +12,24 @@ typedef enum ssfr_column_id {
     SSFR_N_COLUMNS
 } ssfr_column_id;
 
+typedef enum ssfr_column_text_id {
+#define X(name, unit, better, help)
+#define T(name, help) SSFR_COLUMN_TEXT_##name,
+#include "experiments/columns.def"
+#undef X
+    SSFR_N_COLUMN_TEXTS
+} ssfr_column_text_id;
+
+enum { SSFR_COLUMN_TEXT = 1024 /* bytes of a text */ };
+
 typedef struct ssfr_column {
     const char *name, *unit;
     int better; /* -1: less is better, +1: more, 0: neither */
     const char *help;
 } ssfr_column;
 
-extern const ssfr_column ssfr_columns[SSFR_N_COLUMNS];
+/* The numbers, then the texts. */
+extern const ssfr_column ssfr_columns[SSFR_N_COLUMNS + SSFR_N_COLUMN_TEXTS];
 const ssfr_column *ssfr_column_find(const char *name); /* NULL when there is none */
 
 /* "name [unit]", or the name alone where it carries its unit or has none. Written to text[size]. */

@@ -21,6 +21,16 @@ typedef struct ssfr_command {
 #include "experiments/commands.def"
 #undef X
 
+enum {
+#define X(name, help) SSFR_COMMAND_##name,
+#include "experiments/commands.def"
+#undef X
+    SSFR_N_COMMANDS
+};
+
+extern const ssfr_command ssfr_commands[SSFR_N_COMMANDS];
+const ssfr_command *ssfr_command_find(const char *name); /* NULL when there is none */
+
 static inline int ssfr_exit_status(ssfr_result result)
 {
     return result == SSFR_OK ? SSFR_EXIT_OK : SSFR_EXIT_BAD;

@@ -3,27 +3,14 @@
 #include "experiments/command.h"
 #include "experiments/console.h"
 
-static const ssfr_command commands[] = {
-#define X(name, help) {#name, help, ssfr_cmd_##name},
-#include "experiments/commands.def"
-#undef X
-};
-
 static void print_help(FILE *file)
 {
     fprintf(file, "usage: ssfr COMMAND [options]\n\nScreen-space fluid rendering, and what each of its approximations "
                   "costs in milliseconds and in error.\n\n");
-    for (size_t i = 0; i < SSFR_COUNT(commands); i++) fprintf(file, "  %-12s%s\n", commands[i].name, commands[i].help);
+    for (size_t i = 0; i < SSFR_N_COMMANDS; i++)
+        fprintf(file, "  %-12s%s\n", ssfr_commands[i].name, ssfr_commands[i].help);
     fprintf(file, "\n'ssfr COMMAND --help' lists a command's options.\n"
                   "Exit status: 0, 1 (a comparison or check failed), 2 (bad usage or bad input).\n");
-}
-
-static const ssfr_command *find(const char *name)
-{
-    const ssfr_command *found = NULL;
-    for (size_t i = 0; i < SSFR_COUNT(commands) && !found; i++)
-        if (strcmp(commands[i].name, name) == 0) found = &commands[i];
-    return found;
 }
 
 /* What was printed must have arrived: a full disk behind stdout is a failure too. */
@@ -37,7 +24,7 @@ static int close_stdout(int status)
 int main(int argc, char **argv)
 {
     const char *word = argc > 1 ? argv[1] : "";
-    const ssfr_command *command = find(word);
+    const ssfr_command *command = ssfr_command_find(word);
     ssfr_console_open(command ? command->name : NULL);
     if (command) return close_stdout(command->run(argc - 1, argv + 1));
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0) {

@@ -69,24 +69,50 @@ static ssfr_result add_run(samples *s, const ssfr_report *report)
     return SSFR_OK;
 }
 
-static ssfr_result run_timed(samples *s, ssfr_graph *graph, const ssfr_scene *scene,
-                             const ssfr_measure_options *options)
+typedef struct trial { /* subjects that are measured together */
+    int n;
+    const ssfr_subject *subjects;
+    const ssfr_scene *scene;
+    const ssfr_measure_options *options;
+    samples samples[SSFR_MAX_SUBJECTS];
+} trial;
+
+static ssfr_result run_subject(const trial *t, int k)
+{
+    const ssfr_run_options run = {.keep_all = t->subjects[k].keep_all, .timing = t->options->nodes};
+    return ssfr_graph_run(t->subjects[k].graph, t->scene, &run);
+}
+
+/* All subjects once; in odd rounds the last is first. */
+static ssfr_result run_round(trial *t, size_t round, bool timed)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_run_options run = {.timing = options->nodes};
-    const double cap = options->max_seconds > 0 ? options->max_seconds : INFINITY;
+    for (int i = 0; i < t->n; i++) {
+        const int k = round % 2 ? t->n - 1 - i : i;
+        SSFR_TRY(run_subject(t, k));
+        if (timed) SSFR_TRY(add_run(&t->samples[k], ssfr_graph_report(t->subjects[k].graph)));
+    }
+end:
+    return result;
+}
+
+static ssfr_result run_timed(trial *t)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_measure_options *o = t->options;
+    const double cap = o->max_seconds > 0 ? o->max_seconds : INFINITY;
     const double begun = ssfr_clock();
     double now = begun;
+    size_t n = 0;
     do {
-        SSFR_TRY(ssfr_graph_run(graph, scene, &run));
+        SSFR_TRY(run_round(t, 0, false));
         now = ssfr_clock();
-    } while (now - begun < fmin(warm_up * options->min_seconds, cap));
+    } while (now - begun < fmin(warm_up * o->min_seconds, cap));
     const double timed = now;
     do {
-        SSFR_TRY(ssfr_graph_run(graph, scene, &run));
-        SSFR_TRY(add_run(s, ssfr_graph_report(graph)));
+        SSFR_TRY(run_round(t, n++, true));
         now = ssfr_clock();
-    } while (s->n < MAX_RUNS && now - begun < cap && (s->n < options->min_runs || now - timed < options->min_seconds));
+    } while (n < MAX_RUNS && now - begun < cap && (n < o->min_runs || now - timed < o->min_seconds));
 end:
     return result;
 }
@@ -118,24 +144,56 @@ end:
     return result;
 }
 
+/* Of the frames' times alone. */
+static ssfr_result compare_pairs(const samples *first, const samples *second, ssfr_paired *out)
+{
+    ssfr_result result = SSFR_OK;
+    const size_t n = first->n;
+    double *work = NULL;
+    SSFR_TRY(ssfr_alloc(&work, 4 * n, sizeof *work, "differences of times"));
+    double *const saved = work, *const ratios = work + n;
+    for (size_t i = 0; i < n; i++) {
+        const double a = first->values[i * first->stride], b = second->values[i * second->stride];
+        saved[i] = b - a;
+        ratios[i] = a / b;
+    }
+    const ssfr_timing ratio = ssfr_timing_of(ratios, 1, n, work + 2 * n);
+    *out = (ssfr_paired){ssfr_timing_of(saved, 1, n, work + 2 * n).median, ratio.median, ratio.mad};
+end:
+    free(work);
+    return result;
+}
+
+ssfr_result ssfr_measure_subjects(ssfr_measured **out, ssfr_paired *paired, int n, const ssfr_subject *subjects,
+                                  const ssfr_scene *scene, const ssfr_measure_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    trial t = {.n = n, .subjects = subjects, .scene = scene, .options = options};
+    for (int k = 0; k < n; k++) out[k] = NULL;
+    *paired = (ssfr_paired){NAN, NAN, NAN};
+    for (int k = 0; k < n; k++) {
+        SSFR_TRY(run_subject(&t, k));
+        t.samples[k].stride = 1 + (size_t)ssfr_graph_report(subjects[k].graph)->n_nodes;
+    }
+    SSFR_TRY(run_timed(&t));
+    for (int k = 0; k < n; k++) {
+        SSFR_TRY(ssfr_alloc(&out[k], 1, sizeof **out, "a measurement"));
+        SSFR_TRY(summarise(out[k], &t.samples[k], ssfr_graph_report(subjects[k].graph)));
+    }
+    if (n == 2) SSFR_TRY(compare_pairs(&t.samples[0], &t.samples[1], paired));
+end:
+    for (int k = 0; k < n; k++) {
+        free(t.samples[k].values);
+        if (result != SSFR_OK) ssfr_measured_destroy(&out[k]);
+    }
+    return result;
+}
+
 ssfr_result ssfr_measure_graph(ssfr_measured **out, ssfr_graph *graph, const ssfr_scene *scene,
                                const ssfr_measure_options *options)
 {
-    ssfr_result result = SSFR_OK;
-    ssfr_measured *measured = NULL;
-    samples s = {0};
-    *out = NULL;
-    SSFR_TRY(ssfr_alloc(&measured, 1, sizeof *measured, "a measurement"));
-    SSFR_TRY(ssfr_graph_run(graph, scene, &(ssfr_run_options){.timing = options->nodes}));
-    s.stride = 1 + (size_t)ssfr_graph_report(graph)->n_nodes;
-    SSFR_TRY(run_timed(&s, graph, scene, options));
-    SSFR_TRY(summarise(measured, &s, ssfr_graph_report(graph)));
-    *out = measured;
-    measured = NULL;
-end:
-    free(s.values);
-    ssfr_measured_destroy(&measured);
-    return result;
+    ssfr_paired none;
+    return ssfr_measure_subjects(out, &none, 1, &(ssfr_subject){.graph = graph}, scene, options);
 }
 
 void ssfr_measured_destroy(ssfr_measured **measured)
@@ -166,13 +224,20 @@ static double copy_memory(char *to, const char *from)
     return 2.0 * (double)copy_size / (ssfr_clock() - begun);
 }
 
-static double memory_bandwidth(void)
+/* One is always timed. */
+static bool may_repeat(int i, double begun, double max_seconds)
+{
+    return i < COPY_REPEATS && (i == 0 || max_seconds == 0 || ssfr_clock() - begun < max_seconds);
+}
+
+static double memory_bandwidth(double max_seconds)
 {
     double best = NAN;
     char *from = NULL, *to = NULL;
     if (ssfr_alloc(&from, copy_size, 1, "a copy") == SSFR_OK && ssfr_alloc(&to, copy_size, 1, "a copy") == SSFR_OK) {
         copy_memory(from, to); /* touches the pages */
-        for (int i = 0; i < COPY_REPEATS; i++) best = fmax(best, copy_memory(to, from));
+        const double begun = ssfr_clock();
+        for (int i = 0; may_repeat(i, begun, max_seconds); i++) best = fmax(best, copy_memory(to, from));
     }
     free(from);
     free(to);
@@ -192,7 +257,7 @@ static double copy_texture(const ssfr_texture *to, const ssfr_texture *from)
     return 2.0 * COPY_BATCH * bytes / (ssfr_clock() - begun);
 }
 
-static double texture_bandwidth(ssfr_gl *gl)
+static double texture_bandwidth(ssfr_gl *gl, double max_seconds)
 {
     ssfr_result result = SSFR_OK;
     ssfr_texture from = {0}, to = {0};
@@ -204,14 +269,15 @@ static double texture_bandwidth(ssfr_gl *gl)
     SSFR_TRY(ssfr_texture_create(gl, &to, side, side, 4, SSFR_STORE_FLOAT));
     ssfr_texture_clear(&from, grey);
     copy_texture(&to, &from);
-    for (int i = 0; i < COPY_REPEATS; i++) best = fmax(best, copy_texture(&to, &from));
+    const double begun = ssfr_clock();
+    for (int i = 0; may_repeat(i, begun, max_seconds); i++) best = fmax(best, copy_texture(&to, &from));
 end:
     ssfr_texture_finish(&from);
     ssfr_texture_finish(&to);
     return ssfr_gl_end(gl, result) == SSFR_OK ? best : NAN;
 }
 
-double ssfr_measure_copy_bandwidth(ssfr_gl *gl)
+double ssfr_measure_copy_bandwidth(ssfr_gl *gl, double max_seconds)
 {
-    return gl && !ssfr_gl_is_software(gl) ? texture_bandwidth(gl) : memory_bandwidth();
+    return gl && !ssfr_gl_is_software(gl) ? texture_bandwidth(gl, max_seconds) : memory_bandwidth(max_seconds);
 }

@@ -37,9 +37,29 @@ SSFR_MUST ssfr_result ssfr_measure_graph(ssfr_measured **out, ssfr_graph *graph,
                                          const ssfr_measure_options *options);
 void ssfr_measured_destroy(ssfr_measured **measured);
 
+typedef struct ssfr_subject {
+    ssfr_graph *graph;
+    bool keep_all; /* leave nothing out */
+} ssfr_subject;
+
+/* What two subjects' times differ by, run by run; NaN for one subject. */
+typedef struct ssfr_paired {
+    double saved;            /* ms, median of the second's time less the first's */
+    double ratio, ratio_mad; /* the first's time over the second's: median, and median absolute deviation from it */
+} ssfr_paired;
+
+enum { SSFR_MAX_SUBJECTS = 2 };
+
+/* Measures n subjects, one or two, of one scene: two by turns, each first every other time, so that what else the
+ * machine does meets both alike. min_seconds and max_seconds are of both together. out[k] is of subjects[k]. */
+SSFR_MUST ssfr_result ssfr_measure_subjects(ssfr_measured **out, ssfr_paired *paired, int n,
+                                            const ssfr_subject *subjects, const ssfr_scene *scene,
+                                            const ssfr_measure_options *options);
+
 /* Bytes read and written a second by a large copy, the best of several: between textures of a GPU, else (gl NULL, or a
- * software rasteriser) in memory by all threads. NaN when it cannot be measured, which is logged. */
-double ssfr_measure_copy_bandwidth(ssfr_gl *gl);
+ * software rasteriser) in memory by all threads. max_seconds caps the copies, but one is always timed; 0: no cap. NaN
+ * when it cannot be measured, which is logged. */
+double ssfr_measure_copy_bandwidth(ssfr_gl *gl, double max_seconds);
 
 /* Time over the least that moving `bytes` can take. */
 double ssfr_measure_roofline(double ms, double bytes, double bandwidth);

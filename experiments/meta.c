@@ -185,6 +185,27 @@ static void put_columns(ssfr_json *json, const ssfr_meta *meta)
     ssfr_json_close(json);
 }
 
+static void put_settings(ssfr_json *json, const char *name, const ssfr_settings *settings)
+{
+    ssfr_json_object(json, name);
+    for (int i = 0; i < settings->n; i++) ssfr_json_text(json, settings->items[i].key, settings->items[i].value);
+    ssfr_json_close(json);
+}
+
+static void put_variants(ssfr_json *json, const ssfr_sweep_spec *spec)
+{
+    ssfr_json_object(json, "variants");
+    for (int i = 0; i < spec->n_variants; i++) {
+        const ssfr_variant *variant = spec->variants[i];
+        ssfr_json_object(json, variant->name);
+        for (int k = 0; k < variant->own.n; k++)
+            ssfr_json_text(json, variant->own.items[k].key, variant->own.items[k].value);
+        put_settings(json, "set", &variant->settings);
+        ssfr_json_close(json);
+    }
+    ssfr_json_close(json);
+}
+
 static void put_spec(ssfr_json *json, const ssfr_sweep_spec *spec)
 {
     ssfr_json_object(json, "axes");
@@ -194,12 +215,16 @@ static void put_spec(ssfr_json *json, const ssfr_sweep_spec *spec)
         ssfr_json_close(json);
     }
     ssfr_json_close(json);
+    if (spec->n_variants > 0) put_variants(json, spec);
+    if (spec->path.views > 0) {
+        ssfr_json_object(json, "path");
+        ssfr_json_number(json, "views", (double)spec->path.views);
+        ssfr_json_text(json, "frames", spec->path.frames == SSFR_PATH_FOLLOW ? "follow" : "stand");
+        ssfr_json_close(json);
+    }
+    if (spec->against.cells.n > 0) put_settings(json, "against", &spec->against.cells);
     if (spec->compared_with == SSFR_REFERENCE_TRUTH) ssfr_json_text(json, "reference", "truth");
-    if (spec->compared_with != SSFR_REFERENCE_FRAME) return;
-    ssfr_json_object(json, "reference");
-    for (int i = 0; i < spec->reference.n; i++)
-        ssfr_json_text(json, spec->reference.items[i].key, spec->reference.items[i].value);
-    ssfr_json_close(json);
+    if (spec->compared_with == SSFR_REFERENCE_FRAME) put_settings(json, "reference", &spec->reference);
 }
 
 /* ---- the file ---------------------------------------------------------------------------------------------------- */

@@ -1,41 +1,53 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* rig.c: one run of a sweep: set, measure, compare with the twin and with the reference. */
+/* rig.c: one run of a sweep: set, measure, compare with the twin, with the reference and with another row. */
 #include "experiments/rig.h"
+#include "experiments/inspect.h"
 #include "experiments/play.h"
 #include "experiments/setup.h"
 #include "experiments/shot.h"
 
 #include <assert.h>
-#include <errno.h>
-#include <unistd.h>
 
 typedef struct cached { /* a shot and the run that it belongs to */
     bool valid;
     size_t index[SSFR_MAX_AXES];
     ssfr_shot shot;
     ssfr_measured *measured; /* NULL when it was run only once, to be looked at */
+    ssfr_paired paired;      /* with the frame that it is held against */
+    ssfr_inspected inspected;
+    double covered;
+    char left_out[SSFR_COLUMN_TEXT];
 } cached;
+
+typedef struct outfit { /* what graphs are made for: what one has set must not stay for another */
+    const ssfr_pipeline *pipeline; /* NULL: for nothing yet */
+    const ssfr_variant *variant;   /* NULL when there are none */
+    const char *scene;
+} outfit;
+
+typedef struct seat { /* graphs of one outfit, and the last frame of each */
+    outfit outfit;
+    ssfr_graph *gl, *cpu; /* gl NULL where not needed */
+    cached frame, twin;   /* of OpenGL, of the CPU */
+} seat;
 
 struct ssfr_rig {
     const ssfr_rig_options *o;
-    ssfr_graph *gl, *cpu, *reference; /* NULL where not needed */
-    ssfr_truth_params truth; /* with the settings of every run and of the scene */
     ssfr_stage *stage;
-    size_t scene; /* value that the stage shows */
-    bool staged;
-    bool dressed; /* the graphs have settings or a background of a scene */
-    cached frame, twin, of_reference; /* of OpenGL, of the CPU, of whatever is the reference */
+    const char *scene; /* that the stage shows; NULL: none */
+    double camera_time; /* s; NaN without a path */
+    seat own, base;    /* of the run, and of that which it is held against */
+    ssfr_truth_params truth; /* with the settings of every run, of the scene and of the variant */
+    ssfr_graph *reference;   /* NULL where not needed */
+    outfit of_reference_graph;
+    cached of_reference;     /* of whatever is the reference */
     double truth_values[SSFR_N_COLUMNS]; /* the columns truth_* that go with it */
+    bool has_base_row;
+    size_t base_index[SSFR_MAX_AXES];
+    ssfr_rig_row base_row;
 };
 
 /* ---- values of axes ---------------------------------------------------------------------------------------------- */
-
-const char *ssfr_rig_value(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES], const char *key)
-{
-    const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, key);
-    assert(axis);
-    return axis->values[index[axis - spec->axes]];
-}
 
 bool ssfr_rig_size(const char *text, int size[2])
 {
@@ -48,99 +60,24 @@ bool ssfr_rig_size(const char *text, int size[2])
     return ok;
 }
 
-/* ---- checks ------------------------------------------------------------------------------------------------------ */
-
-typedef struct target { /* what takes parameters */
-    ssfr_graph *graph;
-    const ssfr_pipeline *pipeline;
-    ssfr_truth_params *truth; /* NULL when nothing is compared with it */
-} target;
-
-/* "truth.hind" is meant for truth, though it has none. */
-static bool is_for_truth(const char *key)
+bool ssfr_rig_flag(const char *text, bool *flag)
 {
-    static const char *const groups[] = {"truth.", "extinction.", "path.", "anisotropy."};
-    bool found = false;
-    for (size_t i = 0; i < SSFR_COUNT(groups); i++) found |= strncmp(key, groups[i], strlen(groups[i])) == 0;
-    return found;
+    *flag = strcmp(text, "true") == 0;
+    return *flag || strcmp(text, "false") == 0;
 }
 
-/* The water's and the light's parameters are set in both. */
-static ssfr_result check_parameter(const target *t, const char *where, const char *key, const char *value)
+static const char *value_of(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], const char *key)
 {
-    ssfr_result result = SSFR_OK;
-    const bool has = ssfr_graph_row(t->graph, key);
-    const bool for_truth = ssfr_rig_truth_row(key) || (!has && is_for_truth(key));
-    if (!has && for_truth && !t->truth)
-        return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: %s: only a sweep with `reference: truth` has it", where, key);
-    if (!has && !for_truth)
-        return ssfr_fail(SSFR_ERR_UNKNOWN,
-                         "%s: %s: pipeline %s has no such parameter (ssfr pipelines %s lists them)", where, key,
-                         ssfr_pipeline_name(t->pipeline), ssfr_pipeline_name(t->pipeline));
-    ssfr_log_about(where);
-    if (has) SSFR_TRY(ssfr_graph_set(t->graph, key, value));
-    if (for_truth && t->truth) SSFR_TRY(ssfr_truth_set(t->truth, key, value));
-end:
-    ssfr_log_about(NULL);
-    return result;
+    return ssfr_sweep_spec_value(rig->o->spec, index, key);
 }
 
-static ssfr_result check_settings(const target *t, const ssfr_settings *settings)
+static bool keeps_all(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
-    ssfr_result result = SSFR_OK;
-    for (int i = 0; i < settings->n && result == SSFR_OK; i++)
-        result = check_parameter(t, settings->items[i].where, settings->items[i].key, settings->items[i].value);
-    return result;
+    const char *text = value_of(rig, index, "leave_out");
+    return text && strcmp(text, "false") == 0;
 }
 
-static ssfr_result check_scene(const char *where, const char *name)
-{
-    ssfr_scene_source source;
-    ssfr_log_about(where);
-    ssfr_result result = ssfr_scene_find(name, &source);
-    if (result == SSFR_OK && source.kind == SSFR_SCENE_PARTICLES && access(name, R_OK) != 0)
-        result = ssfr_fail(SSFR_ERR_IO, "%s: %s", name, strerror(errno));
-    ssfr_log_about(NULL);
-    return result;
-}
-
-static ssfr_result check_own(const ssfr_axis *axis, const char *value)
-{
-    int size[2];
-    if (strcmp(axis->key, "scene") == 0) return check_scene(axis->where, value);
-    if (strcmp(axis->key, "size") == 0 && !ssfr_rig_size(value, size))
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: size %s: expected WxH, sides from 1 to %d px", axis->where, value,
-                         SSFR_MAX_SIZE);
-    if (strcmp(axis->key, "backend") == 0 && strcmp(value, "gl") != 0 && strcmp(value, "cpu") != 0)
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: backend %s: expected gl or cpu", axis->where, value);
-    return SSFR_OK;
-}
-
-static ssfr_result check_axis(const target *t, const ssfr_axis *axis)
-{
-    ssfr_result result = SSFR_OK;
-    for (size_t i = 0; i < axis->n && result == SSFR_OK; i++)
-        result = ssfr_axis_is_parameter(axis->key) ? check_parameter(t, axis->where, axis->key, axis->values[i])
-                                                   : check_own(axis, axis->values[i]);
-    return result;
-}
-
-ssfr_result ssfr_rig_check(const ssfr_sweep_spec *spec, const ssfr_pipeline *pipeline)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_truth_params truth;
-    target t = {.pipeline = pipeline, .truth = spec->compared_with == SSFR_REFERENCE_TRUTH ? &truth : NULL};
-    ssfr_truth_defaults(&truth);
-    SSFR_TRY(ssfr_graph_create(&t.graph, pipeline, NULL));
-    SSFR_TRY(check_settings(&t, &spec->settings));
-    for (int i = 0; i < spec->n_axes; i++) SSFR_TRY(check_axis(&t, &spec->axes[i]));
-    SSFR_TRY(check_settings(&t, &spec->reference));
-end:
-    ssfr_graph_destroy(&t.graph);
-    return result;
-}
-
-/* ---- the rig ----------------------------------------------------------------------------------------------------- */
+/* ---- graphs ------------------------------------------------------------------------------------------------------ */
 
 /* Those that are not the graph's are truth's: ssfr_rig_check found them well. */
 static ssfr_result apply(ssfr_graph *graph, const ssfr_settings *settings)
@@ -152,32 +89,63 @@ static ssfr_result apply(ssfr_graph *graph, const ssfr_settings *settings)
     return result;
 }
 
-/* What the scene says first, so that the spec counts for more. */
-static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig_options *o, ssfr_gl *gl, const ssfr_description *scene)
+/* What the scene says first, so that the spec counts for more, and the variant (NULL: nothing) for most. */
+static ssfr_result new_graph(ssfr_graph **out, const ssfr_rig *rig, const outfit *outfit, ssfr_gl *gl)
 {
     ssfr_result result = SSFR_OK;
+    const ssfr_description *scene = rig->stage->description;
     ssfr_graph_destroy(out);
-    SSFR_TRY(ssfr_graph_create(out, o->pipeline, gl));
-    SSFR_TRY(ssfr_shot_want(*out, o->pipeline, true));
+    SSFR_TRY(ssfr_graph_create(out, outfit->pipeline, gl));
+    SSFR_TRY(ssfr_shot_want(*out, outfit->pipeline, true));
     if (scene) SSFR_TRY(ssfr_setup_apply_scene(*out, scene));
-    SSFR_TRY(apply(*out, &o->spec->settings));
+    SSFR_TRY(apply(*out, &rig->o->spec->settings));
+    if (outfit->variant) SSFR_TRY(apply(*out, &outfit->variant->settings));
+    if (scene) SSFR_TRY(ssfr_setup_background(*out, scene->background, &rig->stage->scene.camera));
 end:
     return result;
 }
 
-static ssfr_result new_graphs(ssfr_rig *rig, const ssfr_description *scene)
+static bool same_outfit(const outfit *a, const outfit *b)
+{
+    return a->pipeline == b->pipeline && a->variant == b->variant && a->scene && strcmp(a->scene, b->scene) == 0;
+}
+
+static outfit outfit_of(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    return (outfit){ssfr_pipeline_find(value_of(rig, index, "pipeline")),
+                    ssfr_sweep_spec_variant_of(rig->o->spec, index), rig->scene};
+}
+
+/* The graphs of a run, in a seat; programs stay compiled. */
+static ssfr_result sit(ssfr_rig *rig, seat *s, const size_t index[SSFR_MAX_AXES])
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_rig_options *o = rig->o;
-    if (o->gl) SSFR_TRY(new_graph(&rig->gl, o, o->gl, scene));
-    SSFR_TRY(new_graph(&rig->cpu, o, NULL, scene));
-    if (o->spec->compared_with == SSFR_REFERENCE_FRAME) {
-        SSFR_TRY(new_graph(&rig->reference, o, NULL, scene));
-        SSFR_TRY(apply(rig->reference, &o->spec->reference));
-    }
+    const outfit o = outfit_of(rig, index);
+    if (same_outfit(&s->outfit, &o)) return SSFR_OK;
+    s->outfit = (outfit){NULL, NULL, NULL};
+    if (rig->o->gl) SSFR_TRY(new_graph(&s->gl, rig, &o, rig->o->gl));
+    SSFR_TRY(new_graph(&s->cpu, rig, &o, NULL));
+    s->outfit = o;
 end:
     return result;
 }
+
+/* A frame that is the reference has the settings of every run and its own, whatever the variant. */
+static ssfr_result sit_reference(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    ssfr_result result = SSFR_OK;
+    outfit o = outfit_of(rig, index);
+    o.variant = NULL;
+    if (same_outfit(&rig->of_reference_graph, &o)) return SSFR_OK;
+    rig->of_reference_graph = (outfit){NULL, NULL, NULL};
+    SSFR_TRY(new_graph(&rig->reference, rig, &o, NULL));
+    SSFR_TRY(apply(rig->reference, &rig->o->spec->reference));
+    rig->of_reference_graph = o;
+end:
+    return result;
+}
+
+/* ---- the rig ----------------------------------------------------------------------------------------------------- */
 
 ssfr_result ssfr_rig_create(ssfr_rig **out, const ssfr_rig_options *options)
 {
@@ -186,8 +154,7 @@ ssfr_result ssfr_rig_create(ssfr_rig **out, const ssfr_rig_options *options)
     *out = NULL;
     SSFR_TRY(ssfr_alloc(&rig, 1, sizeof *rig, "a rig"));
     rig->o = options;
-    SSFR_TRY(new_graphs(rig, NULL));
-    SSFR_TRY(ssfr_rig_truth_params(&rig->truth, options->spec, NULL));
+    SSFR_TRY(ssfr_rig_truth_params(&rig->truth, options->spec, NULL, NULL));
     *out = rig;
     rig = NULL;
 end:
@@ -202,15 +169,21 @@ static void forget(cached *c)
     c->valid = false;
 }
 
+static void leave(seat *s)
+{
+    forget(&s->frame);
+    forget(&s->twin);
+    ssfr_graph_destroy(&s->gl);
+    ssfr_graph_destroy(&s->cpu);
+}
+
 void ssfr_rig_destroy(ssfr_rig **rig)
 {
     ssfr_rig *r = *rig;
     if (!r) return;
-    forget(&r->frame);
-    forget(&r->twin);
+    leave(&r->own);
+    leave(&r->base);
     forget(&r->of_reference);
-    ssfr_graph_destroy(&r->gl);
-    ssfr_graph_destroy(&r->cpu);
     ssfr_graph_destroy(&r->reference);
     ssfr_stage_destroy(&r->stage);
     free(r);
@@ -219,7 +192,7 @@ void ssfr_rig_destroy(ssfr_rig **rig)
 
 const ssfr_graph *ssfr_rig_graph(const ssfr_rig *rig)
 {
-    return rig->cpu;
+    return rig->own.cpu;
 }
 
 const ssfr_truth_params *ssfr_rig_truth(const ssfr_rig *rig)
@@ -227,22 +200,45 @@ const ssfr_truth_params *ssfr_rig_truth(const ssfr_rig *rig)
     return rig->o->spec->compared_with == SSFR_REFERENCE_TRUTH ? &rig->truth : NULL;
 }
 
-/* ---- one run ----------------------------------------------------------------------------------------------------- */
+/* ---- the stage of a run ------------------------------------------------------------------------------------------ */
 
-/* What one scene has set must not stay for the next. */
-static ssfr_result dress(ssfr_rig *rig)
+/* When the camera is in that view, s: from its first key to its last. */
+static ssfr_result find_time(const ssfr_rig *rig, const ssfr_stage_options *options, const char *view, double *time)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_description *scene = rig->stage->description;
-    const char *background = scene ? scene->background : NULL;
-    const bool has = background || (scene && scene->n_settings > 0);
-    if (!has && !rig->dressed) return SSFR_OK;
-    rig->dressed = true;
-    SSFR_TRY(new_graphs(rig, scene));
-    ssfr_graph *const graphs[] = {rig->gl, rig->cpu, rig->reference};
-    for (size_t i = 0; i < SSFR_COUNT(graphs); i++)
-        if (graphs[i]) SSFR_TRY(ssfr_setup_background(graphs[i], background, &rig->stage->scene.camera));
-    rig->dressed = has;
+    const size_t n = rig->o->spec->path.views;
+    const ssfr_view *path;
+    SSFR_TRY(ssfr_stage_find_view(rig->stage, options, &path));
+    const double share = n > 1 ? strtod(view, NULL) / (double)(n - 1) : 0;
+    *time = ssfr_mix(path->keys[0].time, path->keys[path->n_keys - 1].time, share);
+end:
+    return result;
+}
+
+/* What the axes say of it; the scene must be open. */
+static ssfr_result find_options(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], ssfr_stage_options *out)
+{
+    ssfr_result result = SSFR_OK;
+    const char *camera = value_of(rig, index, "camera"), *frame = value_of(rig, index, "frame"),
+               *view = value_of(rig, index, "view");
+    *out = rig->o->stage;
+    ssfr_rig_size(value_of(rig, index, "size"), out->size);
+    if (camera) out->camera = camera;
+    if (frame) out->frame = strtol(frame, NULL, 10);
+    if (view) SSFR_TRY(find_time(rig, out, view, &out->camera_time));
+    if (view && rig->o->spec->path.frames == SSFR_PATH_FOLLOW) out->time = out->camera_time;
+end:
+    return result;
+}
+
+static ssfr_result open_scene(ssfr_rig *rig, const char *scene)
+{
+    ssfr_result result = SSFR_OK;
+    if (rig->scene && strcmp(rig->scene, scene) == 0) return SSFR_OK;
+    rig->scene = NULL;
+    ssfr_stage_destroy(&rig->stage);
+    SSFR_TRY(ssfr_stage_open(&rig->stage, scene, &rig->o->stage));
+    rig->scene = scene;
 end:
     return result;
 }
@@ -250,18 +246,19 @@ end:
 static ssfr_result set_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_axis *axis = ssfr_sweep_spec_axis(rig->o->spec, "scene");
-    const size_t scene = index[axis - rig->o->spec->axes];
-    ssfr_stage_options options = rig->o->stage;
-    ssfr_rig_size(ssfr_rig_value(rig->o->spec, index, "size"), options.size);
-    if (rig->staged && rig->scene == scene) return ssfr_stage_aim(rig->stage, &options);
-    rig->staged = false;
-    ssfr_stage_destroy(&rig->stage);
-    SSFR_TRY(ssfr_stage_create(&rig->stage, axis->values[scene], &options));
-    SSFR_TRY(dress(rig));
-    SSFR_TRY(ssfr_rig_truth_params(&rig->truth, rig->o->spec, rig->stage->description));
-    rig->scene = scene;
-    rig->staged = true;
+    ssfr_stage_options options;
+    long frame;
+    rig->camera_time = NAN;
+    SSFR_TRY(open_scene(rig, value_of(rig, index, "scene")));
+    SSFR_TRY(find_options(rig, index, &options));
+    SSFR_TRY(ssfr_stage_find_frame(rig->stage, &options, &frame));
+    if (rig->stage->particles && (frame < 0 || frame == rig->stage->frame))
+        SSFR_TRY(ssfr_stage_aim(rig->stage, &options));
+    else
+        SSFR_TRY(ssfr_stage_show(rig->stage, &options, frame));
+    rig->camera_time = options.camera_time;
+    SSFR_TRY(sit(rig, &rig->own, index));
+    SSFR_TRY(ssfr_rig_truth_params(&rig->truth, rig->o->spec, rig->own.outfit.variant, rig->stage->description));
 end:
     return result;
 }
@@ -273,44 +270,54 @@ ssfr_result ssfr_rig_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], con
     return result;
 }
 
-static ssfr_result set_parameters(const ssfr_rig *rig, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES])
-{
-    ssfr_result result = SSFR_OK;
-    const ssfr_sweep_spec *spec = rig->o->spec;
-    for (int i = 0; i < spec->n_axes && result == SSFR_OK; i++)
-        if (ssfr_axis_is_parameter(spec->axes[i].key) && ssfr_graph_row(graph, spec->axes[i].key))
-            result = ssfr_graph_set(graph, spec->axes[i].key, spec->axes[i].values[index[i]]);
-    return result;
-}
-
-static ssfr_result take(const ssfr_rig *rig, ssfr_shot *shot, const ssfr_graph *graph)
-{
-    const ssfr_camera *camera = &rig->stage->scene.camera;
-    return ssfr_shot_take(shot, graph, rig->o->pipeline, camera->w, camera->h);
-}
+/* ---- what is kept from run to run -------------------------------------------------------------------------------- */
 
 bool ssfr_rig_makes_frames(const ssfr_graph *graph, const ssfr_axis *axis)
 {
     return !ssfr_axis_is_parameter(axis->key) || ssfr_graph_row(graph, axis->key);
 }
 
-/* A reference frame depends on scene and size alone, truth on its own parameters, too. */
-static bool makes_references(const ssfr_rig *rig, const ssfr_axis *axis)
+static bool same_value(const ssfr_rig *rig, const cached *c, const size_t index[SSFR_MAX_AXES], const char *key)
 {
-    const bool truth = rig->o->spec->compared_with == SSFR_REFERENCE_TRUTH;
-    return !ssfr_axis_is_parameter(axis->key) || (truth && ssfr_rig_truth_row(axis->key));
+    const char *a = value_of(rig, c->index, key), *b = value_of(rig, index, key);
+    return a == b || (a && b && strcmp(a, b) == 0);
 }
 
-/* Whether what is kept of one run is what another needs. */
+/* Variants may set what truth depends on; what else they have stands in the stage. */
+static bool varies_truth(const ssfr_sweep_spec *spec)
+{
+    bool found = false;
+    for (int i = 0; i < spec->n_variants; i++)
+        for (int k = 0; k < spec->variants[i]->settings.n; k++)
+            found |= ssfr_rig_truth_row(spec->variants[i]->settings.items[k].key) != NULL;
+    return found;
+}
+
+/* A reference frame depends on the stage and the pipeline alone, truth on the stage and its own parameters. */
+static bool holds_reference(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    static const char *const keys[] = {"scene", "camera", "frame", "view", "size"};
+    const ssfr_sweep_spec *spec = rig->o->spec;
+    const cached *c = &rig->of_reference;
+    const bool truth = spec->compared_with == SSFR_REFERENCE_TRUTH;
+    bool same = c->valid;
+    for (size_t i = 0; i < SSFR_COUNT(keys) && same; i++) same = same_value(rig, c, index, keys[i]);
+    if (same && !truth) same = same_value(rig, c, index, "pipeline");
+    if (same && truth && varies_truth(spec)) same = same_value(rig, c, index, "variant");
+    for (int i = 0; i < spec->n_axes && same && truth; i++)
+        if (ssfr_rig_truth_row(spec->axes[i].key)) same = c->index[i] == index[i];
+    return same;
+}
+
+/* Whether the frame that is kept of one run is what another needs. */
 static bool holds(const cached *c, const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
     const ssfr_sweep_spec *spec = rig->o->spec;
     bool same = c->valid;
-    for (int i = 0; i < spec->n_axes; i++) {
+    for (int i = 0; i < spec->n_axes && same; i++) {
         const ssfr_axis *axis = &spec->axes[i];
-        const bool matters =
-            c == &rig->of_reference ? makes_references(rig, axis) : ssfr_rig_makes_frames(rig->cpu, axis);
-        if (matters && strcmp(axis->key, "backend") != 0) same &= c->index[i] == index[i];
+        if (ssfr_rig_makes_frames(rig->own.cpu, axis) && strcmp(axis->key, "backend") != 0)
+            same = c->index[i] == index[i];
     }
     return same;
 }
@@ -321,12 +328,101 @@ static void hold(cached *c, const size_t index[SSFR_MAX_AXES])
     c->valid = true;
 }
 
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
+
+static ssfr_result set_parameters(const ssfr_rig *rig, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES])
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_sweep_spec *spec = rig->o->spec;
+    for (int i = 0; i < spec->n_axes && result == SSFR_OK; i++)
+        if (ssfr_axis_is_parameter(spec->axes[i].key) && ssfr_graph_row(graph, spec->axes[i].key))
+            result = ssfr_graph_set(graph, spec->axes[i].key, spec->axes[i].values[index[i]]);
+    return result;
+}
+
+static ssfr_result take(const ssfr_rig *rig, ssfr_shot *shot, const ssfr_graph *graph, const ssfr_pipeline *pipeline)
+{
+    const ssfr_camera *camera = &rig->stage->scene.camera;
+    return ssfr_shot_take(shot, graph, pipeline, camera->w, camera->h);
+}
+
+/* The run that one is held against. */
+static void find_base(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES], size_t base[SSFR_MAX_AXES])
+{
+    memcpy(base, index, SSFR_MAX_AXES * sizeof *base);
+    for (int i = 0; i < spec->against.cells.n; i++) {
+        const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, spec->against.cells.items[i].key);
+        size_t *at = &base[axis - spec->axes];
+        for (*at = 0; strcmp(axis->values[*at], spec->against.cells.items[i].value) != 0;) ++*at;
+    }
+}
+
+/* By turns with the frame that it is held against, where there is one. What is compared but goes into no picture is not
+ * to be paid for: only results are wanted while they are timed. */
+static ssfr_result measure(ssfr_rig *rig, cached *c, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES])
+{
+    ssfr_result result = SSFR_OK;
+    const bool pair = rig->o->spec->against.cells.n > 0;
+    ssfr_measured *measured[SSFR_MAX_SUBJECTS] = {NULL, NULL};
+    ssfr_subject subjects[SSFR_MAX_SUBJECTS] = {{graph, keeps_all(rig, index)}, {NULL, false}};
+    const ssfr_pipeline *pipeline = rig->own.outfit.pipeline;
+    size_t base[SSFR_MAX_AXES];
+    SSFR_TRY(ssfr_shot_want(graph, pipeline, false));
+    if (pair) {
+        find_base(rig->o->spec, index, base);
+        SSFR_TRY(sit(rig, &rig->base, base));
+        subjects[1] = (ssfr_subject){graph == rig->own.gl ? rig->base.gl : rig->base.cpu, keeps_all(rig, base)};
+        SSFR_TRY(set_parameters(rig, subjects[1].graph, base));
+        SSFR_TRY(ssfr_shot_want(subjects[1].graph, rig->base.outfit.pipeline, false));
+        SSFR_TRY(ssfr_play(subjects[1].graph, rig->stage, &rig->o->stage, -1));
+    }
+    SSFR_TRY(ssfr_measure_subjects(measured, &c->paired, pair ? 2 : 1, subjects, &rig->stage->scene,
+                                   &rig->o->measure));
+    c->measured = measured[0];
+    measured[0] = NULL;
+    SSFR_TRY(ssfr_shot_want(graph, pipeline, true));
+end:
+    ssfr_measured_destroy(&measured[0]);
+    ssfr_measured_destroy(&measured[1]);
+    return result;
+}
+
+/* After the shot is taken: the frame more, with all images, is another. */
+static ssfr_result inspect(const ssfr_rig *rig, cached *c, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES])
+{
+    c->covered = ssfr_graph_report(graph)->covered;
+    ssfr_inspect_left_out(c->measured->n_nodes, c->measured->reports, c->left_out, sizeof c->left_out);
+    return ssfr_inspect_frame(&c->inspected, graph, &rig->stage->scene, keeps_all(rig, index));
+}
+
+/* The frame of a run by one of a seat's graphs, measured when asked for. */
+static ssfr_result ensure_frame(ssfr_rig *rig, seat *s, bool on_gpu, const size_t index[SSFR_MAX_AXES], bool measured)
+{
+    ssfr_result result = SSFR_OK;
+    cached *c = on_gpu ? &s->frame : &s->twin;
+    ssfr_graph *graph = on_gpu ? s->gl : s->cpu;
+    const ssfr_run_options run = {.keep_all = keeps_all(rig, index)};
+    if (holds(c, rig, index) && (c->measured || !measured)) return SSFR_OK;
+    forget(c);
+    SSFR_TRY(set_parameters(rig, graph, index));
+    SSFR_TRY(ssfr_play(graph, rig->stage, &rig->o->stage, -1));
+    if (measured) SSFR_TRY(measure(rig, c, graph, index));
+    SSFR_TRY(ssfr_graph_run(graph, &rig->stage->scene, &run));
+    SSFR_TRY(take(rig, &c->shot, graph, s->outfit.pipeline));
+    if (measured) SSFR_TRY(inspect(rig, c, graph, index));
+    hold(c, index);
+end:
+    return result;
+}
+
 static ssfr_result cast_truth(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
     ssfr_result result = SSFR_OK;
     const ssfr_stage_options *stage = &rig->o->stage;
     const ssfr_truth_options options = {.every = 1, .seed = stage->seed, .cache = stage->cache, .progress = true};
-    ssfr_truth_params params = rig->truth;
+    const ssfr_variant *variant = ssfr_sweep_spec_variant_of(rig->o->spec, index);
+    ssfr_truth_params params;
+    SSFR_TRY(ssfr_rig_truth_params(&params, rig->o->spec, variant, rig->stage->description));
     SSFR_TRY(ssfr_rig_truth_vary(&params, rig->o->spec, index));
     SSFR_TRY(ssfr_rig_truth_cast(&rig->of_reference.shot, rig->truth_values, rig->stage, &params, &options));
 end:
@@ -337,48 +433,23 @@ static ssfr_result ensure_reference(ssfr_rig *rig, const size_t index[SSFR_MAX_A
 {
     ssfr_result result = SSFR_OK;
     cached *c = &rig->of_reference;
-    if (holds(c, rig, index)) return SSFR_OK;
+    if (holds_reference(rig, index)) return SSFR_OK;
     forget(c);
     for (int i = 0; i < SSFR_N_COLUMNS; i++) rig->truth_values[i] = NAN;
     if (rig->o->spec->compared_with == SSFR_REFERENCE_TRUTH) {
         SSFR_TRY(cast_truth(rig, index));
     } else {
+        SSFR_TRY(sit_reference(rig, index));
         SSFR_TRY(ssfr_play(rig->reference, rig->stage, &rig->o->stage, -1));
         SSFR_TRY(ssfr_graph_run(rig->reference, &rig->stage->scene, NULL));
-        SSFR_TRY(take(rig, &c->shot, rig->reference));
+        SSFR_TRY(take(rig, &c->shot, rig->reference, rig->of_reference_graph.pipeline));
     }
     hold(c, index);
 end:
     return result;
 }
 
-/* What is compared but goes into no picture is not to be paid for: the shot's frame is another than those timed. */
-static ssfr_result measure(ssfr_rig *rig, cached *c, ssfr_graph *graph)
-{
-    ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_shot_want(graph, rig->o->pipeline, false));
-    SSFR_TRY(ssfr_measure_graph(&c->measured, graph, &rig->stage->scene, &rig->o->measure));
-    SSFR_TRY(ssfr_shot_want(graph, rig->o->pipeline, true));
-end:
-    return result;
-}
-
-/* The frame of a run by one of the graphs, measured when asked for. */
-static ssfr_result ensure_frame(ssfr_rig *rig, cached *c, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES],
-                                bool measured)
-{
-    ssfr_result result = SSFR_OK;
-    if (holds(c, rig, index) && (c->measured || !measured)) return SSFR_OK;
-    forget(c);
-    SSFR_TRY(set_parameters(rig, graph, index));
-    SSFR_TRY(ssfr_play(graph, rig->stage, &rig->o->stage, -1));
-    if (measured) SSFR_TRY(measure(rig, c, graph));
-    SSFR_TRY(ssfr_graph_run(graph, &rig->stage->scene, NULL));
-    SSFR_TRY(take(rig, &c->shot, graph));
-    hold(c, index);
-end:
-    return result;
-}
+/* ---- one run ----------------------------------------------------------------------------------------------------- */
 
 static void put_times(const ssfr_measured *m, double bandwidth, double values[SSFR_N_COLUMNS])
 {
@@ -393,6 +464,25 @@ static void put_times(const ssfr_measured *m, double bandwidth, double values[SS
     values[SSFR_COLUMN_tiles] = m->tiles;
     values[SSFR_COLUMN_unstable] = m->unstable;
     values[SSFR_COLUMN_roofline] = ssfr_measure_roofline(m->frame.median, m->bytes, bandwidth);
+}
+
+/* What the frame tells by itself. */
+static ssfr_result put_frame(const ssfr_rig *rig, const cached *c, double bandwidth, ssfr_rig_row *row)
+{
+    const ssfr_field *picture = c->shot.parts[SSFR_SHOT_COLOUR];
+    if (c->measured) {
+        put_times(c->measured, bandwidth, row->values);
+        row->values[SSFR_COLUMN_ms_saved] = c->paired.saved;
+        row->values[SSFR_COLUMN_ms_ratio] = c->paired.ratio;
+        row->values[SSFR_COLUMN_ms_ratio_mad] = c->paired.ratio_mad;
+        row->values[SSFR_COLUMN_covered] = c->covered;
+        row->values[SSFR_COLUMN_finite] = c->inspected.finite;
+        row->values[SSFR_COLUMN_bounded] = c->inspected.bounded;
+        memcpy(row->texts[SSFR_COLUMN_TEXT_left_out], c->left_out, sizeof c->left_out);
+    }
+    row->values[SSFR_COLUMN_camera_time] = rig->camera_time;
+    if (picture) ssfr_inspect_hash(picture, row->texts[SSFR_COLUMN_TEXT_color_hash]);
+    return ssfr_shot_count_nan(&c->shot, row->values);
 }
 
 /* The next run is the same on the CPU: then the twin is measured now and serves both. */
@@ -420,42 +510,86 @@ end:
     return result;
 }
 
-static ssfr_result run_gl(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
+static ssfr_result run_gl(ssfr_rig *rig, seat *s, const size_t index[SSFR_MAX_AXES], bool measured, ssfr_rig_row *row)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_rig_options *o = rig->o;
-    const ssfr_shot *frame = &rig->frame.shot, *twin = o->no_twin ? NULL : &rig->twin.shot;
-    SSFR_TRY(ensure_frame(rig, &rig->frame, rig->gl, index, true));
-    put_times(rig->frame.measured, o->bandwidth_gl, values);
-    SSFR_TRY(ssfr_shot_count_nan(frame, values));
+    const ssfr_shot *frame = &s->frame.shot, *twin = o->no_twin ? NULL : &s->twin.shot;
+    SSFR_TRY(ensure_frame(rig, s, true, index, measured));
+    SSFR_TRY(put_frame(rig, &s->frame, o->bandwidth_gl, row));
     if (twin) {
-        SSFR_TRY(ensure_frame(rig, &rig->twin, rig->cpu, index, cpu_is_next(o->spec, index)));
-        SSFR_TRY(ssfr_shot_compare_twin(frame, twin, values));
+        SSFR_TRY(ensure_frame(rig, s, false, index, measured && cpu_is_next(o->spec, index)));
+        SSFR_TRY(ssfr_shot_compare_twin(frame, twin, row->values));
     }
-    SSFR_TRY(compare(rig, index, frame, twin, values));
+    SSFR_TRY(compare(rig, index, frame, twin, row->values));
 end:
     return result;
 }
 
-static ssfr_result run_cpu(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
+static ssfr_result run_cpu(ssfr_rig *rig, seat *s, const size_t index[SSFR_MAX_AXES], bool measured, ssfr_rig_row *row)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_shot *twin = &rig->twin.shot;
-    SSFR_TRY(ensure_frame(rig, &rig->twin, rig->cpu, index, true));
-    put_times(rig->twin.measured, rig->o->bandwidth_cpu, values);
-    SSFR_TRY(ssfr_shot_count_nan(twin, values));
-    SSFR_TRY(compare(rig, index, twin, twin, values));
+    const ssfr_shot *twin = &s->twin.shot;
+    SSFR_TRY(ensure_frame(rig, s, false, index, measured));
+    SSFR_TRY(put_frame(rig, &s->twin, rig->o->bandwidth_cpu, row));
+    SSFR_TRY(compare(rig, index, twin, twin, row->values));
 end:
     return result;
 }
 
-ssfr_result ssfr_rig_run(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], double values[SSFR_N_COLUMNS])
+static void clear(ssfr_rig_row *row)
+{
+    for (int i = 0; i < SSFR_N_COLUMNS; i++) row->values[i] = NAN;
+    for (int i = 0; i < SSFR_N_COLUMN_TEXTS; i++) row->texts[i][0] = '\0';
+    for (int i = 0; i < SSFR_MAX_ADDED; i++) row->added[i] = NAN;
+}
+
+static ssfr_result run_in(ssfr_rig *rig, seat *s, const size_t index[SSFR_MAX_AXES], bool measured, ssfr_rig_row *row)
 {
     ssfr_result result = SSFR_OK;
-    const bool on_gpu = strcmp(ssfr_rig_value(rig->o->spec, index, "backend"), "gl") == 0;
-    for (int i = 0; i < SSFR_N_COLUMNS; i++) values[i] = NAN;
+    const bool on_gpu = strcmp(value_of(rig, index, "backend"), "gl") == 0;
+    SSFR_TRY(sit(rig, s, index));
+    SSFR_TRY(on_gpu ? run_gl(rig, s, index, measured, row) : run_cpu(rig, s, index, measured, row));
+end:
+    return result;
+}
+
+/* The row that this one is held against, of which times are not asked: kept for all that follow each other. */
+static ssfr_result ensure_base_row(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    ssfr_result result = SSFR_OK;
+    size_t base[SSFR_MAX_AXES];
+    find_base(rig->o->spec, index, base);
+    if (rig->has_base_row && memcmp(base, rig->base_index, sizeof base) == 0) return SSFR_OK;
+    rig->has_base_row = false;
+    clear(&rig->base_row);
+    SSFR_TRY(run_in(rig, &rig->base, base, false, &rig->base_row));
+    memcpy(rig->base_index, base, sizeof base);
+    rig->has_base_row = true;
+end:
+    return result;
+}
+
+static ssfr_result subtract(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], ssfr_rig_row *row)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_against_spec *against = &rig->o->spec->against;
+    if (against->n_added > 0) SSFR_TRY(ensure_base_row(rig, index));
+    for (int i = 0; i < against->n_added; i++) {
+        const ssfr_column *column = ssfr_column_find(against->added[i]);
+        row->added[i] = row->values[column - ssfr_columns] - rig->base_row.values[column - ssfr_columns];
+    }
+end:
+    return result;
+}
+
+ssfr_result ssfr_rig_run(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], ssfr_rig_row *row)
+{
+    ssfr_result result = SSFR_OK;
+    clear(row);
     SSFR_TRY(set_stage(rig, index));
-    SSFR_TRY(on_gpu ? run_gl(rig, index, values) : run_cpu(rig, index, values));
+    SSFR_TRY(run_in(rig, &rig->own, index, true, row));
+    SSFR_TRY(subtract(rig, index, row));
 end:
     return result;
 }

@@ -17,16 +17,24 @@ const ssfr_param *ssfr_rig_truth_row(const char *key)
     return NULL;
 }
 
-ssfr_result ssfr_rig_truth_params(ssfr_truth_params *out, const ssfr_sweep_spec *spec, const ssfr_description *scene)
+static ssfr_result apply(ssfr_truth_params *out, const ssfr_settings *settings)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < settings->n && result == SSFR_OK; i++)
+        if (ssfr_rig_truth_row(settings->items[i].key))
+            result = ssfr_truth_set(out, settings->items[i].key, settings->items[i].value);
+    return result;
+}
+
+ssfr_result ssfr_rig_truth_params(ssfr_truth_params *out, const ssfr_sweep_spec *spec, const ssfr_variant *variant,
+                                  const ssfr_description *scene)
 {
     ssfr_result result = SSFR_OK;
     ssfr_truth_defaults(out);
     out->cast.parts = SSFR_TRUTH_SURFACE | SSFR_TRUTH_THICKNESS;
     if (scene) SSFR_TRY(ssfr_truth_apply_scene(out, scene));
-    for (int i = 0; i < spec->settings.n; i++) {
-        const ssfr_setting *s = &spec->settings.items[i];
-        if (ssfr_rig_truth_row(s->key)) SSFR_TRY(ssfr_truth_set(out, s->key, s->value));
-    }
+    SSFR_TRY(apply(out, &spec->settings));
+    if (variant) SSFR_TRY(apply(out, &variant->settings));
 end:
     return result;
 }

@@ -10,10 +10,10 @@
 /* The row of a parameter of truth, "truth.level" or "medium.ior"; NULL when there is none. */
 const ssfr_param *ssfr_rig_truth_row(const char *key);
 
-/* The defaults, but that colour and foam are not cast, which cost more than all else. Then what the scene
- * (NULL: nothing) and the spec set. */
+/* The defaults, but that colour and foam are not cast, which cost more than all else. Then what the scene, the spec and
+ * the variant set; scene and variant may be NULL. */
 SSFR_MUST ssfr_result ssfr_rig_truth_params(ssfr_truth_params *out, const ssfr_sweep_spec *spec,
-                                            const ssfr_description *scene);
+                                            const ssfr_variant *variant, const ssfr_description *scene);
 /* Sets what the axes say of truth in a run. */
 SSFR_MUST ssfr_result ssfr_rig_truth_vary(ssfr_truth_params *params, const ssfr_sweep_spec *spec,
                                           const size_t index[SSFR_MAX_AXES]);

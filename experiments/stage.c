@@ -28,6 +28,8 @@ const ssfr_option ssfr_view_rows[] = {
     ROW(size, "size", 0, SIZE, "WxH", "image size, px (default 1280x720)", 0, 0),
     ROW(camera, "camera", 0, TEXT, "NAME", "a camera of the scene (default: its first; ssfr scene info lists them)", 0,
         0),
+    ROW(camera_time, "camera-time", 0, NUMBER, "S",
+        "where the camera is on its path, s (default: where it is at the frame's time)", 0, 1e9),
     ROW(eye, "eye", 0, VECTOR, "X,Y,Z", "camera position, m (default: the scene's, else where all particles just fit)",
         0, 0),
     ROW(target, "target", 0, VECTOR, "X,Y,Z", "the point looked at, m (default: the scene's, else the middle)", 0, 0),
@@ -39,8 +41,8 @@ const ssfr_option ssfr_view_rows[] = {
 void ssfr_stage_defaults(ssfr_stage_options *options)
 {
     *options = (ssfr_stage_options){
-        .unit = 1, .up_axis = 1, .frame = -1, .time = NAN, .eye = {NAN, NAN, NAN}, .target = {NAN, NAN, NAN},
-        .up = {NAN, NAN, NAN}, .fov_deg = NAN, .size = {1280, 720}, .seed = 1};
+        .unit = 1, .up_axis = 1, .frame = -1, .time = NAN, .camera_time = NAN, .eye = {NAN, NAN, NAN},
+        .target = {NAN, NAN, NAN}, .up = {NAN, NAN, NAN}, .fov_deg = NAN, .size = {1280, 720}, .seed = 1};
 }
 
 ssfr_load_options ssfr_stage_load_options(const ssfr_stage_options *options)

@@ -17,6 +17,7 @@ typedef struct ssfr_stage_options {
     long frame;          /* -1: at `time`, or else the one two thirds of the way */
     double time;         /* s; NaN: not said */
     const char *camera;  /* a view by name; NULL: the first */
+    double camera_time;  /* s, where it is on its path; NaN: where it is at the frame's time */
     const char *cache;   /* folder of simulated frames; NULL: the user's */
     double eye[3], target[3], up[3]; /* m, world; NaN: the scene's, else a view that frames the particles */
     double fov_deg; /* full vertical angle; NaN: the scene's, else 45 */
@@ -86,6 +87,10 @@ SSFR_MUST ssfr_result ssfr_stage_hold(ssfr_stage *stage, const ssfr_stage_option
 
 /* Sets the camera anew, for another size or view of the same particles. */
 SSFR_MUST ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options *options);
+
+/* The camera that the options name, or the scene's first; NULL where a scene has none. */
+SSFR_MUST ssfr_result ssfr_stage_find_view(const ssfr_stage *stage, const ssfr_stage_options *options,
+                                           const ssfr_view **out);
 
 /* Bounds of the particles as balls, m, world: those of their centres and a radius around. */
 void ssfr_stage_bounds(const ssfr_stage *stage, double lo[3], double hi[3]);

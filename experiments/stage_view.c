@@ -124,15 +124,34 @@ static aim frame_box(const ssfr_stage *stage, const double lo[3], const double h
     return a;
 }
 
-static ssfr_result take_camera(const ssfr_stage *stage, const char *name, aim *a)
+/* A camera stands still all the same: only a path has times. */
+static ssfr_result check_camera_time(const ssfr_stage *stage, const ssfr_view *view, double time)
+{
+    if (isnan(time) || (view && view->n_keys > 1)) return SSFR_OK;
+    return ssfr_fail(SSFR_ERR_VALUE, "--camera-time %g: %s: %s%s", time, stage->name, view ? view->name : "",
+                     view ? ": the camera has no path" : "there is no camera");
+}
+
+ssfr_result ssfr_stage_find_view(const ssfr_stage *stage, const ssfr_stage_options *options, const ssfr_view **out)
 {
     ssfr_result result = SSFR_OK;
+    *out = NULL;
+    if (!stage->description && options->camera)
+        return ssfr_fail(SSFR_ERR_UNKNOWN, "--camera %s: %s has no cameras", options->camera, stage->name);
+    if (stage->description) SSFR_TRY(ssfr_description_view(stage->description, options->camera, out));
+    SSFR_TRY(check_camera_time(stage, *out, options->camera_time));
+end:
+    return result;
+}
+
+static ssfr_result take_camera(const ssfr_stage *stage, const ssfr_stage_options *options, aim *a)
+{
+    ssfr_result result = SSFR_OK;
+    const double time = options->camera_time;
     const ssfr_view *view = NULL;
-    if (!stage->description && name)
-        return ssfr_fail(SSFR_ERR_UNKNOWN, "--camera %s: %s has no cameras", name, stage->name);
-    if (stage->description) SSFR_TRY(ssfr_description_view(stage->description, name, &view));
+    SSFR_TRY(ssfr_stage_find_view(stage, options, &view));
     if (view) {
-        const ssfr_view_key key = ssfr_view_at(view, stage->time);
+        const ssfr_view_key key = ssfr_view_at(view, isnan(time) ? stage->time : time);
         *a = (aim){.fov_deg = key.fov_deg};
         memcpy(a->eye, key.eye, sizeof a->eye);
         memcpy(a->target, key.target, sizeof a->target);
@@ -169,7 +188,7 @@ ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options *options)
     double lo[3], hi[3];
     ssfr_stage_view_box(stage, lo, hi);
     aim a = frame_box(stage, lo, hi);
-    SSFR_TRY(take_camera(stage, options->camera, &a));
+    SSFR_TRY(take_camera(stage, options, &a));
     take_users(options, &a);
     if (!is_said(a.up)) default_up(&a, a.up);
     SSFR_TRY(ssfr_camera_look(&camera, a.eye, a.target, a.up, a.fov_deg * acos(-1) / 180, options->size[0],

@@ -9,33 +9,51 @@
 #include "experiments/meta.h"
 #include "experiments/rig.h"
 #include "experiments/scenes/make.h"
-#include "experiments/setup.h"
 
 #include "base/param.h"
 
 #include <omp.h>
 
-/* Columns behind the parameters that tell one row from another. */
-static const char *const own_keys[] = {"scene", "pipeline", "backend", "width", "height"};
+/* Columns behind the parameters, of what is an axis. What a variant has of its own does not tell rows apart, the
+ * variant does: it stands behind the status. */
+static const struct {
+    const char *name, *axis;
+} own_columns[] = {{"variant", "variant"},   {"leave_out", "leave_out"}, {"camera", "camera"}, {"view", "view"},
+                   {"frame", "frame"},       {"scene", "scene"},         {"pipeline", "pipeline"},
+                   {"backend", "backend"},   {"width", "size"},          {"height", "size"}};
 
-enum { N_OWN = SSFR_COUNT(own_keys), MAX_KEYS = SSFR_MAX_AXES + N_OWN, MAX_COLUMNS = MAX_KEYS + 2 + SSFR_N_COLUMNS };
+enum {
+    N_OWN = SSFR_COUNT(own_columns),
+    MAX_KEYS = SSFR_MAX_AXES + N_OWN,
+    N_SAID = SSFR_N_COLUMNS + SSFR_N_COLUMN_TEXTS, /* columns of every table */
+    MAX_COLUMNS = MAX_KEYS + 2 + N_SAID + SSFR_MAX_ADDED,
+};
 
 typedef struct sweep {
     const ssfr_sweep_spec *spec;
     const ssfr_sweep_options *o;
-    const ssfr_pipeline *pipeline;
-    ssfr_graph *graph; /* knows which parameters there are */
+    ssfr_graph *graph; /* knows which parameters there are: those that are varied are the same in all pipelines */
     ssfr_gl *gl;
     ssfr_rig_options rig_options;
     ssfr_rig *rig;
     ssfr_csv *csv;
     size_t n_runs, group; /* consecutive runs that stay in one shard */
-    int n_keys, n_columns;
+    int n_keys, n_told, n_columns; /* n_told stand behind the status */
     char headers[MAX_COLUMNS][256];
     const char *columns[MAX_COLUMNS];
+    struct {
+        char name[64], help[256];
+    } added[SSFR_MAX_ADDED];
+    ssfr_column meanings[N_SAID + SSFR_MAX_ADDED]; /* of the columns behind the status */
     int on[SSFR_MAX_ON]; /* keys that published numbers are joined by */
     size_t n_failed;
 } sweep;
+
+static const char *pipeline_of_first(const sweep *s)
+{
+    static const size_t first[SSFR_MAX_AXES];
+    return ssfr_sweep_spec_value(s->spec, first, "pipeline");
+}
 
 /* ---- the runs ---------------------------------------------------------------------------------------------------- */
 
@@ -58,23 +76,44 @@ static bool in_shard(const sweep *s, size_t run)
 }
 
 typedef struct key {
-    const char *cells[MAX_KEYS];
-    char width[16], height[16];
+    const char *cells[MAX_KEYS]; /* n_keys, then n_told */
+    char size[2][16];
 } key;
+
+/* Some variant has one of its own. */
+static bool is_told(const sweep *s, const char *axis)
+{
+    bool found = false;
+    for (int i = 0; i < s->spec->n_variants; i++) found |= ssfr_variant_own(s->spec->variants[i], axis) != NULL;
+    return found;
+}
+
+static bool is_key(const sweep *s, const char *axis)
+{
+    return ssfr_sweep_spec_axis(s->spec, axis) && !is_told(s, axis);
+}
+
+static const char *own_cell(const sweep *s, const size_t index[SSFR_MAX_AXES], size_t column, key *k)
+{
+    const char *name = own_columns[column].name;
+    const char *value = ssfr_sweep_spec_value(s->spec, index, own_columns[column].axis);
+    const bool height = strcmp(name, "height") == 0;
+    int size[2] = {0, 0};
+    if (!height && strcmp(name, "width") != 0) return value ? value : "";
+    ssfr_rig_size(value, size);
+    snprintf(k->size[height], sizeof k->size[height], "%d", size[height]);
+    return k->size[height];
+}
 
 static void fill_key(const sweep *s, const size_t index[SSFR_MAX_AXES], key *k)
 {
-    int n = 0, size[2] = {0, 0};
+    int n = 0;
     for (int i = 0; i < s->spec->n_axes; i++)
         if (ssfr_axis_is_parameter(s->spec->axes[i].key)) k->cells[n++] = s->spec->axes[i].values[index[i]];
-    ssfr_rig_size(ssfr_rig_value(s->spec, index, "size"), size);
-    snprintf(k->width, sizeof k->width, "%d", size[0]);
-    snprintf(k->height, sizeof k->height, "%d", size[1]);
-    k->cells[n++] = ssfr_rig_value(s->spec, index, "scene");
-    k->cells[n++] = ssfr_pipeline_name(s->pipeline);
-    k->cells[n++] = ssfr_rig_value(s->spec, index, "backend");
-    k->cells[n++] = k->width;
-    k->cells[n++] = k->height;
+    for (size_t i = 0; i < N_OWN; i++)
+        if (is_key(s, own_columns[i].axis)) k->cells[n++] = own_cell(s, index, i, k);
+    for (size_t i = 0; i < N_OWN; i++)
+        if (is_told(s, own_columns[i].axis)) k->cells[n++] = own_cell(s, index, i, k);
 }
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
@@ -93,16 +132,39 @@ static const char *unit_of(const sweep *s, const char *parameter)
     return (row ? row : ssfr_rig_truth_row(parameter))->unit;
 }
 
+/* Columns behind the status, but for a published one. */
+static int n_said(const sweep *s)
+{
+    return N_SAID + s->spec->against.n_added;
+}
+
+static void find_meanings(sweep *s)
+{
+    memcpy(s->meanings, ssfr_columns, sizeof ssfr_columns);
+    for (int i = 0; i < s->spec->against.n_added; i++) {
+        const ssfr_column *of = ssfr_column_find(s->spec->against.added[i]);
+        snprintf(s->added[i].name, sizeof s->added[i].name, "%s_added", of->name);
+        snprintf(s->added[i].help, sizeof s->added[i].help, "%s, less that of the row that this is held against",
+                 of->help);
+        s->meanings[N_SAID + i] = (ssfr_column){s->added[i].name, of->unit, of->better, s->added[i].help};
+    }
+}
+
 static void name_columns(sweep *s)
 {
+    find_meanings(s);
     for (int i = 0; i < s->spec->n_axes; i++) {
         const char *name = s->spec->axes[i].key;
         if (ssfr_axis_is_parameter(name)) add_column(s, name, unit_of(s, name));
     }
-    for (size_t i = 0; i < N_OWN; i++) add_column(s, own_keys[i], "1");
+    for (size_t i = 0; i < N_OWN; i++)
+        if (is_key(s, own_columns[i].axis)) add_column(s, own_columns[i].name, "1");
     s->n_keys = s->n_columns;
     add_column(s, "status", "1");
-    for (int i = 0; i < SSFR_N_COLUMNS; i++) add_column(s, ssfr_columns[i].name, ssfr_columns[i].unit);
+    for (size_t i = 0; i < N_OWN; i++)
+        if (is_told(s, own_columns[i].axis)) add_column(s, own_columns[i].name, "1");
+    s->n_told = s->n_columns - s->n_keys - 1;
+    for (int i = 0; i < n_said(s); i++) add_column(s, s->meanings[i].name, s->meanings[i].unit);
     if (s->o->published) add_column(s, s->o->published->header, "1");
 }
 
@@ -121,8 +183,11 @@ static ssfr_result find_joined(sweep *s)
 
 static bool has_column(const sweep *s, const char *name)
 {
-    bool found = ssfr_column_find(name) != NULL || ssfr_sweep_spec_axis(s->spec, name) != NULL;
-    for (size_t i = 0; i < N_OWN; i++) found |= strcmp(own_keys[i], name) == 0;
+    bool found = ssfr_sweep_spec_axis(s->spec, name) != NULL;
+    for (int i = 0; i < n_said(s); i++) found |= strcmp(s->meanings[i].name, name) == 0;
+    for (size_t i = 0; i < N_OWN; i++)
+        found |= strcmp(own_columns[i].name, name) == 0 &&
+                 (is_key(s, own_columns[i].axis) || is_told(s, own_columns[i].axis));
     return found && strcmp(name, "size") != 0;
 }
 
@@ -155,12 +220,15 @@ static const char *find_published(const sweep *s, const key *k)
     return ssfr_published_find(s->o->published, cells);
 }
 
-static ssfr_result write_row(sweep *s, const key *k, const char *status, const double values[SSFR_N_COLUMNS])
+static ssfr_result write_row(sweep *s, const key *k, const char *status, const ssfr_rig_row *row)
 {
     ssfr_result result = SSFR_OK;
     for (int i = 0; i < s->n_keys; i++) SSFR_TRY(ssfr_csv_text(s->csv, k->cells[i]));
     SSFR_TRY(ssfr_csv_text(s->csv, status));
-    for (int i = 0; i < SSFR_N_COLUMNS; i++) SSFR_TRY(ssfr_csv_number(s->csv, values[i]));
+    for (int i = 0; i < s->n_told; i++) SSFR_TRY(ssfr_csv_text(s->csv, k->cells[s->n_keys + i]));
+    for (int i = 0; i < SSFR_N_COLUMNS; i++) SSFR_TRY(ssfr_csv_number(s->csv, row->values[i]));
+    for (int i = 0; i < SSFR_N_COLUMN_TEXTS; i++) SSFR_TRY(ssfr_csv_text(s->csv, row->texts[i]));
+    for (int i = 0; i < s->spec->against.n_added; i++) SSFR_TRY(ssfr_csv_number(s->csv, row->added[i]));
     if (s->o->published) SSFR_TRY(ssfr_csv_text(s->csv, find_published(s, k)));
     SSFR_TRY(ssfr_csv_end_row(s->csv));
 end:
@@ -170,15 +238,15 @@ end:
 /* A run that fails is a row that says why; one that was asked to stop is none: it is made again. */
 static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const key *k, bool *made)
 {
-    double values[SSFR_N_COLUMNS];
+    ssfr_rig_row row;
     char error[SSFR_CAPTURE_SIZE];
     ssfr_capture_begin(s->o->argc ? s->o->argv[0] : "sweep");
-    const ssfr_result ran = ssfr_rig_run(s->rig, index, values);
+    const ssfr_result ran = ssfr_rig_run(s->rig, index, &row);
     ssfr_capture_end(error);
     *made = ran == SSFR_OK || !ssfr_interrupt_came();
     if (!*made) return SSFR_OK;
     s->n_failed += ran != SSFR_OK;
-    return write_row(s, k, ran == SSFR_OK ? "ok" : error[0] ? error : ssfr_result_text(ran), values);
+    return write_row(s, k, ran == SSFR_OK ? "ok" : error[0] ? error : ssfr_result_text(ran), &row);
 }
 
 /* Makes the runs of this shard that the table lacks, or counts them. */
@@ -216,6 +284,20 @@ static uint64_t hash_settings(uint64_t hash, const ssfr_settings *settings)
     return ssfr_hash_text(hash, "");
 }
 
+/* Rows tell of a variant and of a view by name and number alone, and of the row that they are held against nothing. */
+static uint64_t hash_meanings(uint64_t hash, const ssfr_sweep_spec *spec)
+{
+    for (int i = 0; i < spec->n_variants; i++) {
+        const ssfr_variant *variant = spec->variants[i];
+        hash = ssfr_hash_text(hash, variant->name);
+        hash = hash_settings(hash_settings(hash, &variant->own), &variant->settings);
+    }
+    const double path[] = {(double)spec->path.views, spec->path.frames};
+    hash = ssfr_hash_bytes(hash, path, sizeof path);
+    hash = hash_settings(hash, &spec->against.cells);
+    return hash;
+}
+
 static uint64_t hash_truth(uint64_t hash, const sweep *s)
 {
     const ssfr_truth_params *truth = ssfr_rig_truth(s->rig);
@@ -235,12 +317,12 @@ static uint64_t hash_truth(uint64_t hash, const sweep *s)
 static uint64_t identity_of(const sweep *s)
 {
     const ssfr_stage_options *v = &s->o->stage;
-    const double view[] = {v->radius, v->unit, v->time, (double)v->frame, v->scale, v->up_axis, v->fov_deg,
-                           v->eye[0], v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2],
-                           v->up[0], v->up[1], v->up[2]};
+    const double view[] = {v->radius,    v->unit,      v->time,      v->camera_time, (double)v->frame, v->scale,
+                           v->up_axis,   v->fov_deg,   v->eye[0],    v->eye[1],      v->eye[2],        v->target[0],
+                           v->target[1], v->target[2], v->up[0],     v->up[1],       v->up[2]};
     char text[512];
-    uint64_t hash = ssfr_hash_text(SSFR_HASH, ssfr_pipeline_name(s->pipeline));
-    hash = hash_settings(hash_settings(hash, &s->spec->settings), &s->spec->reference);
+    uint64_t hash = hash_settings(hash_settings(SSFR_HASH, &s->spec->settings), &s->spec->reference);
+    hash = hash_meanings(hash, s->spec);
     snprintf(text, sizeof text, "%s %s %d %d %d %ld %d %d %d", ssfr_version(), ssfr_meta_commit(),
              omp_get_max_threads(), s->spec->compared_with, SSFR_TRUTH_VERSION, s->o->seed, v->drop_nonfinite,
              s->o->quick, s->o->no_twin);
@@ -254,55 +336,106 @@ static uint64_t identity_of(const sweep *s)
     return s->gl ? ssfr_hash_text(ssfr_hash_text(hash, ssfr_gl_renderer(s->gl)), ssfr_gl_version(s->gl)) : hash;
 }
 
+typedef struct scenes { /* that a sweep shows: of each the first run and a record */
+    size_t n;
+    size_t (*index)[SSFR_MAX_AXES];
+    ssfr_record *records;
+} scenes;
+
+static bool is_new_scene(const sweep *s, const scenes *list, const size_t index[SSFR_MAX_AXES])
+{
+    const char *name = ssfr_sweep_spec_value(s->spec, index, "scene");
+    bool found = false;
+    for (size_t i = 0; i < list->n && !found; i++)
+        found = strcmp(ssfr_sweep_spec_value(s->spec, list->index[i], "scene"), name) == 0;
+    return !found;
+}
+
+static ssfr_result list_scenes(const sweep *s, scenes *list)
+{
+    static const char *const keys[] = {"variant", "scene"};
+    ssfr_result result = SSFR_OK;
+    const ssfr_axis *variants = ssfr_sweep_spec_axis(s->spec, "variant");
+    const size_t most = ssfr_sweep_spec_axis(s->spec, "scene")->n * (variants ? variants->n : 1);
+    size_t index[SSFR_MAX_AXES] = {0};
+    SSFR_TRY(ssfr_alloc(&list->index, most, sizeof *list->index, "the runs of scenes"));
+    SSFR_TRY(ssfr_alloc(&list->records, most, sizeof *list->records, "records of scenes"));
+    do {
+        if (is_new_scene(s, list, index)) memcpy(list->index[list->n++], index, sizeof index);
+    } while (ssfr_sweep_spec_next(s->spec, SSFR_COUNT(keys), keys, index));
+end:
+    return result;
+}
+
+static void finish_scenes(scenes *list)
+{
+    for (size_t i = 0; i < list->n; i++) ssfr_record_finish(&list->records[i]);
+    free(list->index);
+    free(list->records);
+}
+
 /* Loads each scene once before the first run: a file that is malformed is found out, and its content recorded. */
-static ssfr_result record_scenes(sweep *s, ssfr_record *records, uint64_t *identity)
+static ssfr_result record_scenes(sweep *s, scenes *list, uint64_t *identity)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_axis *axis = ssfr_sweep_spec_axis(s->spec, "scene");
-    size_t index[SSFR_MAX_AXES] = {0};
-    for (size_t i = axis->n; i-- > 0 && result == SSFR_OK;) { /* the first is the last: it is the first to be run */
+    SSFR_TRY(list_scenes(s, list));
+    for (size_t i = list->n; i-- > 0 && result == SSFR_OK;) { /* the first is the last: it is the first to be run */
         const ssfr_stage *stage;
-        index[axis - s->spec->axes] = i;
-        SSFR_TRY(ssfr_rig_stage(s->rig, index, &stage));
+        SSFR_TRY(ssfr_rig_stage(s->rig, list->index[i], &stage));
         const uint64_t hash = ssfr_hash_particles(stage->particles);
         *identity = ssfr_hash_bytes(*identity, &hash, sizeof hash);
-        SSFR_TRY(ssfr_meta_record_scene(&records[i], stage));
+        SSFR_TRY(ssfr_meta_record_scene(&list->records[i], stage));
     }
 end:
     return result;
 }
 
-static ssfr_result begin_table(sweep *s)
+/* What the times of all rows are held against. */
+static void measure_copies(sweep *s)
 {
-    ssfr_result result = SSFR_OK;
-    const ssfr_axis *scenes = ssfr_sweep_spec_axis(s->spec, "scene");
-    ssfr_record *records = NULL;
-    uint64_t identity = identity_of(s);
-    SSFR_TRY(ssfr_alloc(&records, scenes->n, sizeof *records, "records of scenes"));
-    SSFR_TRY(record_scenes(s, records, &identity));
-    SSFR_TRY(ssfr_csv_create(&s->csv, s->o->output, s->n_columns, s->columns, s->n_keys, s->o->resume));
-    if (!s->o->output) goto end;
-    if (ssfr_csv_resumed(s->csv)) SSFR_TRY(ssfr_meta_check(s->o->output, identity));
+    ssfr_rig_options *r = &s->rig_options;
+    r->bandwidth_cpu = ssfr_measure_copy_bandwidth(NULL, r->measure.max_seconds);
+    if (!s->gl) return;
+    r->bandwidth_gl = ssfr_gl_is_software(s->gl) ? r->bandwidth_cpu
+                                                 : ssfr_measure_copy_bandwidth(s->gl, r->measure.max_seconds);
+}
+
+static ssfr_result save_meta(const sweep *s, const scenes *list, uint64_t identity)
+{
     const ssfr_meta meta = {.argc = s->o->argc,
                             .argv = s->o->argv,
                             .seed = s->o->seed,
                             .identity = identity,
                             .gl = s->gl,
-                            .pipeline = ssfr_pipeline_name(s->pipeline),
+                            .pipeline = pipeline_of_first(s),
                             .graph = ssfr_rig_graph(s->rig),
                             .truth = ssfr_rig_truth(s->rig),
                             .spec = s->spec,
                             .scale = ssfr_scale_words[s->o->stage.scale],
-                            .n_columns = SSFR_N_COLUMNS,
-                            .columns = ssfr_columns,
-                            .n_scenes = (int)scenes->n,
-                            .scenes = records,
+                            .n_columns = n_said(s),
+                            .columns = s->meanings,
+                            .n_scenes = (int)list->n,
+                            .scenes = list->records,
                             .bandwidth_gl = s->rig_options.bandwidth_gl,
                             .bandwidth_cpu = s->rig_options.bandwidth_cpu};
-    SSFR_TRY(ssfr_meta_save(s->o->output, &meta));
+    return ssfr_meta_save(s->o->output, &meta);
+}
+
+/* *todo is the number of runs to be made: a table that has all stays as it is, with what stands beside it. */
+static ssfr_result begin_table(sweep *s, size_t *todo)
+{
+    ssfr_result result = SSFR_OK;
+    scenes list = {0};
+    uint64_t identity = identity_of(s);
+    SSFR_TRY(record_scenes(s, &list, &identity));
+    SSFR_TRY(ssfr_csv_create(&s->csv, s->o->output, s->n_columns, s->columns, s->n_keys, s->o->resume));
+    if (s->o->output && ssfr_csv_resumed(s->csv)) SSFR_TRY(ssfr_meta_check(s->o->output, identity));
+    SSFR_TRY(visit_runs(s, true, todo));
+    if (*todo == 0 && ssfr_csv_resumed(s->csv)) goto end;
+    measure_copies(s);
+    if (s->o->output) SSFR_TRY(save_meta(s, &list, identity));
 end:
-    for (size_t i = 0; records && i < scenes->n; i++) ssfr_record_finish(&records[i]);
-    free(records);
+    finish_scenes(&list);
     return result;
 }
 
@@ -311,14 +444,17 @@ end:
 static ssfr_result dry_run(sweep *s)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_csv_create(&s->csv, NULL, s->n_keys, s->columns, s->n_keys, false));
+    const char *columns[MAX_KEYS]; /* all but the status */
+    const int n = s->n_keys + s->n_told;
+    for (int i = 0; i < n; i++) columns[i] = s->columns[i < s->n_keys ? i : i + 1];
+    SSFR_TRY(ssfr_csv_create(&s->csv, NULL, n, columns, n, false));
     for (size_t i = 0; i < s->n_runs; i++) {
         size_t index[SSFR_MAX_AXES];
         key k;
         if (!in_shard(s, i)) continue;
         ssfr_sweep_spec_run(s->spec, i, index);
         fill_key(s, index, &k);
-        for (int c = 0; c < s->n_keys; c++) SSFR_TRY(ssfr_csv_text(s->csv, k.cells[c]));
+        for (int c = 0; c < n; c++) SSFR_TRY(ssfr_csv_text(s->csv, k.cells[c]));
         SSFR_TRY(ssfr_csv_end_row(s->csv));
     }
 end:
@@ -340,15 +476,12 @@ static ssfr_result make_rig(sweep *s)
     ssfr_rig_options *r = &s->rig_options;
     if (on_gpu) SSFR_TRY(ssfr_gl_create(&s->gl, SSFR_GL_OWN));
     *r = (ssfr_rig_options){.spec = s->spec,
-                            .pipeline = s->pipeline,
                             .gl = s->gl,
                             .stage = s->o->stage,
                             .measure = ssfr_measure_defaults(s->o->quick),
                             .bandwidth_gl = NAN,
                             .no_twin = s->o->no_twin};
     r->measure.max_seconds = s->o->max_time;
-    r->bandwidth_cpu = ssfr_measure_copy_bandwidth(NULL);
-    if (on_gpu) r->bandwidth_gl = ssfr_gl_is_software(s->gl) ? r->bandwidth_cpu : ssfr_measure_copy_bandwidth(s->gl);
     SSFR_TRY(ssfr_rig_create(&s->rig, r));
 end:
     return result;
@@ -357,12 +490,11 @@ end:
 static ssfr_result run(sweep *s)
 {
     ssfr_result result = SSFR_OK;
-    size_t n = 0;
+    size_t todo = 0;
     const double begun = ssfr_clock();
     SSFR_TRY(make_rig(s));
-    SSFR_TRY(begin_table(s));
-    SSFR_TRY(visit_runs(s, true, &n));
-    const size_t todo = n;
+    SSFR_TRY(begin_table(s, &todo));
+    size_t n = todo;
     ssfr_interrupt_begin(); /* the row in progress is finished, but for a truth that is being cast */
     result = visit_runs(s, false, &n);
     ssfr_interrupt_end();
@@ -386,9 +518,8 @@ static ssfr_result prepare(sweep *s)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_sweep_spec *spec = s->spec;
-    SSFR_TRY(ssfr_setup_find_pipeline(&s->pipeline, spec->pipeline ? spec->pipeline : "vanderlaan2009"));
-    SSFR_TRY(ssfr_rig_check(spec, s->pipeline));
-    SSFR_TRY(ssfr_graph_create(&s->graph, s->pipeline, NULL));
+    SSFR_TRY(ssfr_rig_check(spec, &s->o->stage));
+    SSFR_TRY(ssfr_graph_create(&s->graph, ssfr_pipeline_find(pipeline_of_first(s)), NULL));
     s->group = count_group(s);
     SSFR_TRY(ssfr_sweep_spec_count(spec, &s->n_runs));
     name_columns(s);

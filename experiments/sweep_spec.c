@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sweep_spec.c: reading what a sweep runs, with file, line and column in every error. */
-#include "experiments/sweep_spec.h"
+/* sweep_spec.c: what a sweep runs, put together from axes, variants, settings and defaults. */
+#include "experiments/sweep_spec_internal.h"
 #include "experiments/truth/continuum.h"
-#include "experiments/yaml_tree.h"
 
 #include "base/param.h"
 
-#include <errno.h>
-
-enum { MAX_RUNS = 10000000 };
+enum { MAX_RUNS = 10000000, QUICK_VIEWS = 12 };
 static const double hit = 1e-9; /* steps by which hi may be missed and still be included, or 0 and still be 0 */
 static const char truth[] = "truth", truth_kind[] = "truth.kind";
 
@@ -21,7 +18,7 @@ static ssfr_result copy_text(char **out, const char *text, size_t length)
 
 /* ---- axes -------------------------------------------------------------------------------------------------------- */
 
-static void finish_axis(ssfr_axis *axis)
+void ssfr_axis_finish(ssfr_axis *axis)
 {
     for (size_t i = 0; i < axis->n; i++) free(axis->values[i]);
     free(axis->values);
@@ -30,7 +27,7 @@ static void finish_axis(ssfr_axis *axis)
     *axis = (ssfr_axis){0};
 }
 
-static ssfr_result init_axis(ssfr_axis *axis, const char *where, const char *key, size_t n)
+ssfr_result ssfr_axis_init(ssfr_axis *axis, const char *where, const char *key, size_t n)
 {
     ssfr_result result = SSFR_OK;
     *axis = (ssfr_axis){0};
@@ -43,7 +40,7 @@ end:
     return result;
 }
 
-static ssfr_result add_value(ssfr_axis *axis, const char *text, size_t length)
+ssfr_result ssfr_axis_add(ssfr_axis *axis, const char *text, size_t length)
 {
     ssfr_result result = SSFR_OK;
     if (length == 0)
@@ -63,7 +60,7 @@ end:
 static ssfr_result add_number(ssfr_axis *axis, double value)
 {
     char text[32];
-    return add_value(axis, text, (size_t)snprintf(text, sizeof text, "%.9g", value));
+    return ssfr_axis_add(axis, text, (size_t)snprintf(text, sizeof text, "%.9g", value));
 }
 
 typedef struct range {
@@ -114,7 +111,7 @@ static ssfr_result init_range(ssfr_axis *axis, const char *where, const char *ke
     if (!parse_range(text, &r))
         return ssfr_fail(SSFR_ERR_VALUE, "%s: %s=%s: expected lo:hi:step or lo:hi:N log", where, key, text);
     SSFR_TRY(count_range(&r, where, key, text, &n));
-    SSFR_TRY(init_axis(axis, where, key, (size_t)n));
+    SSFR_TRY(ssfr_axis_init(axis, where, key, (size_t)n));
     for (double i = 0; i < n; i++) {
         double value = r.log ? exp(ssfr_mix(log(r.lo), log(r.hi), i / (n - 1))) : r.lo + i * r.step;
         if (!r.log && fabs(value) < hit * fabs(r.step)) value = 0; /* in doubles -0.3 + 3 * 0.1 is not 0 */
@@ -129,13 +126,13 @@ static ssfr_result init_list(ssfr_axis *axis, const char *where, const char *key
     ssfr_result result = SSFR_OK;
     size_t n = 1;
     for (const char *at = text; *at; at++) n += *at == ',';
-    SSFR_TRY(init_axis(axis, where, key, n));
+    SSFR_TRY(ssfr_axis_init(axis, where, key, n));
     for (const char *at = text; n > 0; n--) {
         at += strspn(at, " ");
         const size_t item = strcspn(at, ",");
         size_t length = item;
         while (length > 0 && at[length - 1] == ' ') length--;
-        SSFR_TRY(add_value(axis, at, length));
+        SSFR_TRY(ssfr_axis_add(axis, at, length));
         at += item + 1;
     }
 end:
@@ -148,47 +145,65 @@ bool ssfr_axis_is_parameter(const char *key)
 }
 
 /* Takes over the axis, also when it fails. */
-static ssfr_result put_axis(ssfr_sweep_spec *spec, ssfr_axis *axis)
+ssfr_result ssfr_sweep_spec_put(ssfr_sweep_spec *spec, ssfr_axis *axis)
 {
     int at = 0;
     while (at < spec->n_axes && strcmp(spec->axes[at].key, axis->key) != 0) at++;
     if (at == SSFR_MAX_AXES) {
         const ssfr_result result =
             ssfr_fail(SSFR_ERR_VALUE, "%s: %s: more than %d axes", axis->where, axis->key, SSFR_MAX_AXES);
-        finish_axis(axis);
+        ssfr_axis_finish(axis);
         return result;
     }
     if (at == spec->n_axes)
         spec->n_axes++;
     else
-        finish_axis(&spec->axes[at]);
+        ssfr_axis_finish(&spec->axes[at]);
     spec->axes[at] = *axis;
     *axis = (ssfr_axis){0};
     return SSFR_OK;
 }
 
-static ssfr_result check_axis_key(const char *where, const char *key)
+ssfr_result ssfr_axis_check_key(const char *where, const char *key)
 {
-    static const char *const own[] = {"scene", "size", "backend"};
+    static const char *const own[] = {"pipeline", "variant", "scene", "camera", "view", "frame", "size", "leave_out",
+                                      "backend"};
     bool known = ssfr_axis_is_parameter(key);
-    for (size_t i = 0; i < SSFR_COUNT(own); i++) known |= strcmp(key, own[i]) == 0;
+    char list[200] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < SSFR_COUNT(own); i++) {
+        known |= strcmp(key, own[i]) == 0;
+        ssfr_list_name(list, sizeof list, &used, own[i]);
+    }
     if (known) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_UNKNOWN,
-                     "%s: no axis %s: it is a parameter such as pass.param, or scene, size or backend", where, key);
+    return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no axis %s: it is a parameter such as pass.param, or one of %s", where, key,
+                     list);
 }
 
 ssfr_result ssfr_sweep_spec_vary(ssfr_sweep_spec *spec, const char *where, const char *key, const char *values)
 {
     ssfr_result result = SSFR_OK;
     ssfr_axis axis = {0};
-    SSFR_TRY(check_axis_key(where, key));
+    SSFR_TRY(ssfr_axis_check_key(where, key));
     if (ssfr_axis_is_parameter(key) && strchr(values, ':')) /* names of scenes may hold colons */
         SSFR_TRY(init_range(&axis, where, key, values));
     else
         SSFR_TRY(init_list(&axis, where, key, values));
-    SSFR_TRY(put_axis(spec, &axis));
+    SSFR_TRY(ssfr_sweep_spec_put(spec, &axis));
 end:
-    finish_axis(&axis);
+    ssfr_axis_finish(&axis);
+    return result;
+}
+
+ssfr_result ssfr_sweep_spec_put_views(ssfr_sweep_spec *spec, const char *where)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_axis axis = {0};
+    SSFR_TRY(ssfr_axis_init(&axis, where, "view", spec->path.views));
+    for (size_t i = 0; i < spec->path.views; i++) SSFR_TRY(add_number(&axis, (double)i));
+    SSFR_TRY(ssfr_sweep_spec_put(spec, &axis));
+end:
+    ssfr_axis_finish(&axis);
     return result;
 }
 
@@ -222,7 +237,7 @@ static void finish_setting(ssfr_setting *setting)
     *setting = (ssfr_setting){0};
 }
 
-static ssfr_result add_setting(ssfr_settings *settings, const char *where, const char *key, const char *value)
+ssfr_result ssfr_settings_add(ssfr_settings *settings, const char *where, const char *key, const char *value)
 {
     ssfr_result result = SSFR_OK;
     if (settings->n == SSFR_MAX_SETTINGS)
@@ -240,7 +255,7 @@ static ssfr_result add_setting_text(ssfr_settings *settings, const char *where, 
     char *key;
     const char *value;
     ssfr_result result = split(where, text, &key, &value);
-    if (result == SSFR_OK) result = add_setting(settings, where, key, value);
+    if (result == SSFR_OK) result = ssfr_settings_add(settings, where, key, value);
     free(key);
     return result;
 }
@@ -295,7 +310,8 @@ ssfr_result ssfr_sweep_spec_complete(ssfr_sweep_spec *spec)
 {
     const struct {
         const char *key, *value; /* NULL: not needed */
-    } axes[] = {{"scene", "splash"},
+    } axes[] = {{"pipeline", SSFR_SWEEP_PIPELINE},
+                {"scene", "splash"},
                 {"size", "1280x720"},
                 {truth_kind, spec->compared_with == SSFR_REFERENCE_TRUTH ? kind_of_truth(spec) : NULL},
                 {"backend", "gl"}};
@@ -313,11 +329,6 @@ static ssfr_result replace_text(char **to, const char *text)
     return copy_text(to, text, strlen(text));
 }
 
-ssfr_result ssfr_sweep_spec_pipeline(ssfr_sweep_spec *spec, const char *name)
-{
-    return replace_text(&spec->pipeline, name);
-}
-
 /* ---- scales ------------------------------------------------------------------------------------------------------ */
 
 /* "640x360" to "320x180"; what is no size is left to those who check sizes. */
@@ -331,34 +342,77 @@ static void halve(const char *size, char *text, size_t n)
         snprintf(text, n, "%s", size);
 }
 
-static ssfr_result halve_sizes(ssfr_sweep_spec *spec)
+static ssfr_result halve_axis(ssfr_sweep_spec *spec)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_axis *from = ssfr_sweep_spec_axis(spec, "size");
     ssfr_axis axis = {0};
-    SSFR_TRY(init_axis(&axis, from->where, from->key, from->n));
+    SSFR_TRY(ssfr_axis_init(&axis, from->where, from->key, from->n));
     for (size_t i = 0; i < from->n; i++) {
         char text[64];
         halve(from->values[i], text, sizeof text);
-        SSFR_TRY(add_value(&axis, text, strlen(text)));
+        SSFR_TRY(ssfr_axis_add(&axis, text, strlen(text)));
     }
-    SSFR_TRY(put_axis(spec, &axis));
+    SSFR_TRY(ssfr_sweep_spec_put(spec, &axis));
 end:
-    finish_axis(&axis);
+    ssfr_axis_finish(&axis);
     return result;
+}
+
+/* Those of variants are halved unless `quick` has variants of its own. */
+static ssfr_result halve_variants(ssfr_sweep_spec *spec)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < spec->n_variants; i++) {
+        ssfr_settings *own = &spec->variants[i]->own;
+        for (int k = 0; k < own->n; k++) {
+            char text[64];
+            if (strcmp(own->items[k].key, "size") != 0) continue;
+            halve(own->items[k].value, text, sizeof text);
+            SSFR_TRY(replace_text(&own->items[k].value, text));
+        }
+    }
+end:
+    return result;
+}
+
+static ssfr_result shorten_path(ssfr_sweep_spec *spec)
+{
+    const ssfr_axis *views = ssfr_sweep_spec_axis(spec, "view");
+    if (!views || spec->path.views <= QUICK_VIEWS) return SSFR_OK;
+    spec->path.views = QUICK_VIEWS;
+    return ssfr_sweep_spec_put_views(spec, views->where);
+}
+
+/* Changes hands, so that both are freed. */
+static void replace_variants(ssfr_sweep_spec *spec, ssfr_sweep_spec *quick)
+{
+    const int n = spec->n_variants;
+    if (quick->n_variants == 0) return;
+    for (int i = 0; i < SSFR_MAX_VARIANTS; i++) {
+        ssfr_variant *of_all = spec->variants[i];
+        spec->variants[i] = quick->variants[i];
+        quick->variants[i] = of_all;
+    }
+    spec->n_variants = quick->n_variants;
+    quick->n_variants = n;
 }
 
 ssfr_result ssfr_sweep_spec_quicken(ssfr_sweep_spec *spec)
 {
     ssfr_result result = SSFR_OK;
     ssfr_sweep_spec *quick = spec->quick;
-    if (!quick || !ssfr_sweep_spec_axis(quick, "size")) SSFR_TRY(halve_sizes(spec));
+    if (!quick || !ssfr_sweep_spec_axis(quick, "size")) SSFR_TRY(halve_axis(spec));
+    if (!quick || quick->n_variants == 0) SSFR_TRY(halve_variants(spec));
+    if (!quick || quick->path.views == 0) SSFR_TRY(shorten_path(spec));
     if (!quick) goto end;
+    if (quick->path.views > 0) spec->path = quick->path;
+    replace_variants(spec, quick);
     if (quick->title) SSFR_TRY(replace_text(&spec->title, quick->title));
-    for (int i = 0; i < quick->n_axes; i++) SSFR_TRY(put_axis(spec, &quick->axes[i]));
+    for (int i = 0; i < quick->n_axes; i++) SSFR_TRY(ssfr_sweep_spec_put(spec, &quick->axes[i]));
     for (int i = 0; i < quick->settings.n; i++) {
         const ssfr_setting *s = &quick->settings.items[i];
-        SSFR_TRY(add_setting(&spec->settings, s->where, s->key, s->value));
+        SSFR_TRY(ssfr_settings_add(&spec->settings, s->where, s->key, s->value));
     }
 end:
     return result;
@@ -384,7 +438,7 @@ static void finish_plot(ssfr_plot_spec *plot)
     free(plot->where);
 }
 
-static void finish_published(ssfr_published_spec *published)
+void ssfr_published_spec_finish(ssfr_published_spec *published)
 {
     for (int i = 0; i < published->n_on; i++) free(published->on[i]), free(published->with[i]);
     free(published->file);
@@ -392,19 +446,39 @@ static void finish_published(ssfr_published_spec *published)
     free(published->where);
 }
 
+static void finish_against(ssfr_against_spec *against)
+{
+    finish_settings(&against->cells);
+    for (int i = 0; i < against->n_added; i++) free(against->added[i]);
+    free(against->where);
+}
+
+static void destroy_variant(ssfr_variant **variant)
+{
+    ssfr_variant *v = *variant;
+    if (!v) return;
+    finish_settings(&v->own);
+    finish_settings(&v->settings);
+    free(v->name);
+    free(v->where);
+    free(v);
+    *variant = NULL;
+}
+
 void ssfr_sweep_spec_destroy(ssfr_sweep_spec **spec)
 {
     ssfr_sweep_spec *s = *spec;
     if (!s) return;
-    for (int i = 0; i < s->n_axes; i++) finish_axis(&s->axes[i]);
+    for (int i = 0; i < s->n_variants; i++) destroy_variant(&s->variants[i]);
+    finish_against(&s->against);
+    for (int i = 0; i < s->n_axes; i++) ssfr_axis_finish(&s->axes[i]);
     finish_settings(&s->settings);
     finish_settings(&s->reference);
     finish_plot(&s->plot);
     for (int i = 0; i < s->n_curves; i++) finish_plot(&s->curves[i]);
-    finish_published(&s->published);
+    ssfr_published_spec_finish(&s->published);
     ssfr_sweep_spec_destroy(&s->quick);
     free(s->title);
-    free(s->pipeline);
     free(s);
     *spec = NULL;
 }
@@ -415,6 +489,55 @@ const ssfr_axis *ssfr_sweep_spec_axis(const ssfr_sweep_spec *spec, const char *k
     for (int i = 0; i < spec->n_axes && !found; i++)
         if (strcmp(spec->axes[i].key, key) == 0) found = &spec->axes[i];
     return found;
+}
+
+const ssfr_variant *ssfr_sweep_spec_variant(const ssfr_sweep_spec *spec, const char *name)
+{
+    const ssfr_variant *found = NULL;
+    for (int i = 0; i < spec->n_variants && !found; i++)
+        if (strcmp(spec->variants[i]->name, name) == 0) found = spec->variants[i];
+    return found;
+}
+
+const ssfr_variant *ssfr_sweep_spec_variant_of(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES])
+{
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, "variant");
+    return axis ? ssfr_sweep_spec_variant(spec, axis->values[index[axis - spec->axes]]) : NULL;
+}
+
+const ssfr_setting *ssfr_variant_own(const ssfr_variant *variant, const char *key)
+{
+    const ssfr_setting *found = NULL;
+    for (int i = 0; variant && i < variant->own.n && !found; i++)
+        if (strcmp(variant->own.items[i].key, key) == 0) found = &variant->own.items[i];
+    return found;
+}
+
+const char *ssfr_sweep_spec_where(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES], const char *key)
+{
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, key);
+    const ssfr_setting *own = ssfr_variant_own(ssfr_sweep_spec_variant_of(spec, index), key);
+    return own ? own->where : axis ? axis->where : "default";
+}
+
+bool ssfr_sweep_spec_next(const ssfr_sweep_spec *spec, size_t n, const char *const *keys, size_t index[SSFR_MAX_AXES])
+{
+    bool more = false;
+    for (size_t k = n; k-- > 0 && !more;) {
+        const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, keys[k]);
+        if (!axis) continue;
+        size_t *i = &index[axis - spec->axes];
+        more = *i + 1 < axis->n;
+        *i = more ? *i + 1 : 0;
+    }
+    return more;
+}
+
+const char *ssfr_sweep_spec_value(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES], const char *key)
+{
+    const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, key);
+    const ssfr_setting *own = ssfr_variant_own(ssfr_sweep_spec_variant_of(spec, index), key);
+    return own ? own->value : axis ? axis->values[index[axis - spec->axes]] : NULL;
 }
 
 ssfr_result ssfr_sweep_spec_count(const ssfr_sweep_spec *spec, size_t *out)
@@ -436,287 +559,4 @@ void ssfr_sweep_spec_run(const ssfr_sweep_spec *spec, size_t i, size_t index[SSF
         index[k] = i % spec->axes[k].n;
         i /= spec->axes[k].n;
     }
-}
-
-/* ---- YAML -------------------------------------------------------------------------------------------------------- */
-
-static ssfr_result read_sequence(ssfr_sweep_spec *spec, const ssfr_yaml_node *node, const char *where)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_axis axis = {0};
-    if (node->n == 0) return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "%s: an empty list", node->name);
-    SSFR_TRY(check_axis_key(where, node->name));
-    SSFR_TRY(init_axis(&axis, where, node->name, node->n));
-    for (size_t i = 0; i < node->n; i++) {
-        SSFR_TRY(ssfr_yaml_expect(node->values[i], SSFR_YAML_TEXT));
-        SSFR_TRY(add_value(&axis, node->values[i]->text, strlen(node->values[i]->text)));
-    }
-    SSFR_TRY(put_axis(spec, &axis));
-end:
-    finish_axis(&axis);
-    return result;
-}
-
-/* An axis: a range or a list in one text, or a sequence of values that are taken as they stand. */
-static ssfr_result read_axis(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_sweep_spec *spec = to;
-    char where[SSFR_YAML_PLACE];
-    (void)row;
-    ssfr_yaml_place(node->key, where);
-    if (ssfr_sweep_spec_axis(spec, node->name))
-        return ssfr_yaml_fail(node->key, SSFR_ERR_FORMAT, "%s is varied twice", node->name);
-    if (node->kind == SSFR_YAML_LIST) return read_sequence(spec, node, where);
-    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_TEXT));
-    result = ssfr_sweep_spec_vary(spec, where, node->name, node->text);
-end:
-    return result;
-}
-
-static ssfr_result read_vary(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
-    for (size_t i = 0; i < node->n; i++) SSFR_TRY(read_axis(node->values[i], row, to));
-end:
-    return result;
-}
-
-static ssfr_result read_settings(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    ssfr_result result = SSFR_OK;
-    (void)row;
-    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
-    for (size_t i = 0; i < node->n; i++) {
-        char where[SSFR_YAML_PLACE];
-        SSFR_TRY(ssfr_yaml_expect(node->values[i], SSFR_YAML_TEXT));
-        SSFR_TRY(add_setting(to, ssfr_yaml_place(node->keys[i], where), node->keys[i]->text, node->values[i]->text));
-    }
-end:
-    return result;
-}
-
-static ssfr_result read_reference(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    ssfr_sweep_spec *spec = to;
-    const bool is_truth = node->kind == SSFR_YAML_TEXT && strcmp(node->text, truth) == 0;
-    if (!is_truth && node->kind != SSFR_YAML_MAP)
-        return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "%s: expected truth, or a map of a frame's settings", node->name);
-    spec->compared_with = is_truth ? SSFR_REFERENCE_TRUTH : SSFR_REFERENCE_FRAME;
-    return is_truth ? SSFR_OK : read_settings(node, row, &spec->reference);
-}
-
-static ssfr_result read_lines(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_plot_spec *plot = to;
-    if (node->kind != SSFR_YAML_LIST)
-        return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "%s: expected a list of columns", node->name);
-    for (size_t i = 0; i < node->n; i++) {
-        if (plot->n_lines == SSFR_MAX_LINES)
-            return ssfr_yaml_fail(node->values[i], SSFR_ERR_FORMAT, "%s: more than %d columns", node->name,
-                                  SSFR_MAX_LINES);
-        SSFR_TRY(ssfr_yaml_read_text(node->values[i], row, &plot->lines[plot->n_lines]));
-        plot->n_lines++;
-    }
-end:
-    return result;
-}
-
-static ssfr_result add_only(ssfr_plot_spec *plot, const ssfr_yaml_node *column, const ssfr_yaml_node *cell)
-{
-    ssfr_result result = SSFR_OK;
-    if (plot->n_only == SSFR_MAX_ONLY)
-        return ssfr_yaml_fail(cell, SSFR_ERR_FORMAT, "only: more than %d cells", SSFR_MAX_ONLY);
-    plot->n_only++; /* counted even when it is refused, so that it is freed */
-    SSFR_TRY(ssfr_yaml_read_text(column, NULL, &plot->only[plot->n_only - 1].column));
-    SSFR_TRY(ssfr_yaml_read_text(cell, NULL, &plot->only[plot->n_only - 1].cell));
-end:
-    return result;
-}
-
-/* A cell a column, or a list of them. */
-static ssfr_result read_only(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    ssfr_result result = SSFR_OK;
-    (void)row;
-    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_MAP));
-    for (size_t i = 0; i < node->n; i++) {
-        const ssfr_yaml_node *value = node->values[i];
-        const bool list = value->kind == SSFR_YAML_LIST;
-        for (size_t k = 0; k < (list ? value->n : 1); k++)
-            SSFR_TRY(add_only(to, node->keys[i], list ? value->values[k] : value));
-    }
-end:
-    return result;
-}
-
-static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_plot_spec, title),
-        SSFR_YAML_ROW("x", ssfr_yaml_read_text, ssfr_plot_spec, x),
-        SSFR_YAML_ROW("y", ssfr_yaml_read_text, ssfr_plot_spec, y),
-        SSFR_YAML_ROW("x_label", ssfr_yaml_read_text, ssfr_plot_spec, x_label),
-        SSFR_YAML_ROW("y_label", ssfr_yaml_read_text, ssfr_plot_spec, y_label),
-        SSFR_YAML_ROW_ALL("lines", read_lines),
-        SSFR_YAML_ROW_ALL("only", read_only),
-        SSFR_YAML_ROW_END,
-    };
-    ssfr_result result = SSFR_OK;
-    ssfr_plot_spec *plot = to;
-    char where[SSFR_YAML_PLACE];
-    (void)row;
-    SSFR_TRY(ssfr_yaml_copy(&plot->where, "", ssfr_yaml_place(ssfr_yaml_head(node), where)));
-    SSFR_TRY(ssfr_yaml_read_map(node, rows, to));
-    if (!plot->x || !plot->y)
-        result = ssfr_yaml_fail(ssfr_yaml_head(node), SSFR_ERR_FORMAT, "%s: x and y must be given", node->name);
-end:
-    return result;
-}
-
-/* A panel, or a list of them. */
-static ssfr_result read_curves(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_sweep_spec *spec = to;
-    const size_t n = node->kind == SSFR_YAML_LIST ? node->n : 1;
-    for (size_t i = 0; i < n; i++) {
-        const ssfr_yaml_node *panel = node->kind == SSFR_YAML_LIST ? node->values[i] : node;
-        if (i == SSFR_MAX_PANELS)
-            return ssfr_yaml_fail(panel, SSFR_ERR_FORMAT, "%s: more than %d panels", node->name, SSFR_MAX_PANELS);
-        SSFR_TRY(read_plot(panel, row, &spec->curves[spec->n_curves++]));
-    }
-end:
-    return result;
-}
-
-/* Of both tables the same name, or of each its own. */
-static ssfr_result add_on(ssfr_published_spec *published, const ssfr_yaml_node *on, const ssfr_yaml_node *with)
-{
-    ssfr_result result = SSFR_OK;
-    const int i = published->n_on;
-    if (i == SSFR_MAX_ON) return ssfr_yaml_fail(on, SSFR_ERR_FORMAT, "on: more than %d columns", SSFR_MAX_ON);
-    published->n_on++; /* counted even when it is refused, so that it is freed */
-    SSFR_TRY(ssfr_yaml_read_text(on, NULL, &published->on[i]));
-    SSFR_TRY(ssfr_yaml_read_text(with, NULL, &published->with[i]));
-end:
-    return result;
-}
-
-static ssfr_result read_on(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    ssfr_result result = SSFR_OK;
-    (void)row;
-    if (node->kind == SSFR_YAML_TEXT || node->n == 0)
-        return ssfr_yaml_fail(node, SSFR_ERR_FORMAT,
-                              "on: expected a list of columns, or a map of the paper's to the sweep's");
-    for (size_t i = 0; i < node->n; i++)
-        SSFR_TRY(add_on(to, node->kind == SSFR_YAML_MAP ? node->keys[i] : node->values[i], node->values[i]));
-end:
-    return result;
-}
-
-static ssfr_result read_published(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("file", ssfr_yaml_read_text, ssfr_published_spec, file, .needed = true),
-        SSFR_YAML_ROW_ALL("on", read_on, .needed = true),
-        SSFR_YAML_ROW("column", ssfr_yaml_read_text, ssfr_published_spec, column, .needed = true),
-        SSFR_YAML_ROW_END,
-    };
-    ssfr_result result = SSFR_OK;
-    ssfr_published_spec *published = to;
-    char where[SSFR_YAML_PLACE];
-    (void)row;
-    SSFR_TRY(ssfr_yaml_read_map(node, rows, to));
-    SSFR_TRY(ssfr_yaml_copy(&published->where, "", ssfr_yaml_place(ssfr_yaml_head(node), where)));
-end:
-    return result;
-}
-
-static ssfr_result read_quick(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
-{
-    static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_sweep_spec, title),
-        SSFR_YAML_ROW_ALL("scene", read_axis),
-        SSFR_YAML_ROW_ALL("size", read_axis),
-        SSFR_YAML_ROW("set", read_settings, ssfr_sweep_spec, settings),
-        SSFR_YAML_ROW_ALL("vary", read_vary),
-        SSFR_YAML_ROW_END,
-    };
-    ssfr_result result = SSFR_OK;
-    ssfr_sweep_spec *spec = to;
-    (void)row;
-    SSFR_TRY(ssfr_sweep_spec_create(&spec->quick));
-    SSFR_TRY(ssfr_yaml_read_map(node, rows, spec->quick));
-end:
-    return result;
-}
-
-static ssfr_result read_yaml(ssfr_sweep_spec *spec, const char *path, const char *text, size_t size)
-{
-    static const ssfr_yaml_row rows[] = {
-        SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_sweep_spec, title),
-        SSFR_YAML_ROW("pipeline", ssfr_yaml_read_text, ssfr_sweep_spec, pipeline),
-        SSFR_YAML_ROW_ALL("scene", read_axis),
-        SSFR_YAML_ROW_ALL("size", read_axis),
-        SSFR_YAML_ROW_ALL("backend", read_axis),
-        SSFR_YAML_ROW("set", read_settings, ssfr_sweep_spec, settings),
-        SSFR_YAML_ROW_ALL("vary", read_vary),
-        SSFR_YAML_ROW_ALL("reference", read_reference),
-        SSFR_YAML_ROW("plot", read_plot, ssfr_sweep_spec, plot),
-        SSFR_YAML_ROW_ALL("curves", read_curves),
-        SSFR_YAML_ROW("published", read_published, ssfr_sweep_spec, published),
-        SSFR_YAML_ROW_ALL("quick", read_quick),
-        SSFR_YAML_ROW_END,
-    };
-    ssfr_yaml *tree;
-    ssfr_result result = ssfr_yaml_parse(&tree, path, "sweep", text, size);
-    if (result == SSFR_OK) result = ssfr_yaml_read_map(ssfr_yaml_root(tree), rows, spec);
-    ssfr_yaml_destroy(&tree);
-    return result;
-}
-
-static ssfr_result read_standard_input(char **out, size_t *size)
-{
-    ssfr_result result = ssfr_alloc(out, SSFR_YAML_FILE + 1, 1, "standard input");
-    if (result != SSFR_OK) return result;
-    *size = fread(*out, 1, SSFR_YAML_FILE, stdin);
-    if (ferror(stdin)) result = ssfr_fail(SSFR_ERR_IO, "standard input: %s", strerror(errno));
-    if (*size == SSFR_YAML_FILE)
-        result = ssfr_fail(SSFR_ERR_VALUE, "standard input: a sweep has less than %d bytes", SSFR_YAML_FILE);
-    return result;
-}
-
-ssfr_result ssfr_sweep_spec_parse(ssfr_sweep_spec **out, const char *path, const char *text, size_t size)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_sweep_spec *spec = NULL;
-    *out = NULL;
-    SSFR_TRY(ssfr_sweep_spec_create(&spec));
-    SSFR_TRY(read_yaml(spec, path, text, size));
-    *out = spec;
-    spec = NULL;
-end:
-    ssfr_sweep_spec_destroy(&spec);
-    return result;
-}
-
-ssfr_result ssfr_sweep_spec_load(ssfr_sweep_spec **out, const char *path)
-{
-    ssfr_result result = SSFR_OK;
-    char *text = NULL;
-    size_t size = 0;
-    const bool from_stdin = strcmp(path, "-") == 0;
-    *out = NULL;
-    if (from_stdin)
-        SSFR_TRY(read_standard_input(&text, &size));
-    else
-        SSFR_TRY(ssfr_read_file(path, SSFR_YAML_FILE, &text, &size));
-    SSFR_TRY(ssfr_sweep_spec_parse(out, from_stdin ? "standard input" : path, text, size));
-end:
-    free(text);
-    return result;
 }

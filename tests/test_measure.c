@@ -102,7 +102,7 @@ static void quick_measuring_asks_for_less(void **state)
 static void memory_has_a_bandwidth(void **state)
 {
     (void)state;
-    const double bandwidth = ssfr_measure_copy_bandwidth(NULL);
+    const double bandwidth = ssfr_measure_copy_bandwidth(NULL, 0.01);
     assert_true(bandwidth > 1e8 && bandwidth < 1e13);
 }
 
@@ -110,7 +110,7 @@ static void a_gpu_has_a_bandwidth(void **state)
 {
     (void)state;
     ssfr_gl *gl = test_gl_or_skip();
-    const double bandwidth = ssfr_measure_copy_bandwidth(gl);
+    const double bandwidth = ssfr_measure_copy_bandwidth(gl, 0);
     ssfr_gl_destroy(&gl);
     assert_true(bandwidth > 1e8 && bandwidth < 1e14);
 }
@@ -273,6 +273,54 @@ static void a_graph_that_cannot_run_cannot_be_measured(void **state)
     bench_destroy(&b);
 }
 
+static void two_subjects_run_by_turns_and_are_compared_pair_by_pair(void **state)
+{
+    (void)state;
+    const ssfr_measure_options options = {.min_runs = 4};
+    ssfr_measured *measured[2];
+    ssfr_graph *other = NULL;
+    ssfr_paired paired;
+    bench b;
+    bench_create(&b, NULL);
+    assert_int_equal(ssfr_graph_create(&other, ssfr_pipeline_find("bagar2010"), NULL), SSFR_OK);
+    const ssfr_subject subjects[] = {{b.graph, true}, {other, false}};
+    assert_int_equal(ssfr_measure_subjects(measured, &paired, 2, subjects, &b.stage->scene, &options), SSFR_OK);
+    for (int k = 0; k < 2; k++) {
+        assert_true(measured[k]->frame.n == 4 && measured[k]->frame.median > 0);
+        assert_int_equal(measured[k]->n_nodes, ssfr_graph_report(subjects[k].graph)->n_nodes);
+        ssfr_measured_destroy(&measured[k]);
+    }
+    assert_true(ssfr_graph_report(b.graph)->covered == 1); /* nothing was left out */
+    assert_true(isfinite(paired.saved) && paired.ratio > 0 && paired.ratio_mad >= 0);
+    assert_int_equal(ssfr_measure_subjects(measured, &paired, 1, subjects, &b.stage->scene, &options), SSFR_OK);
+    assert_true(isnan(paired.saved) && isnan(paired.ratio) && isnan(paired.ratio_mad));
+    ssfr_measured_destroy(&measured[0]);
+    ssfr_graph_destroy(&other);
+    bench_destroy(&b);
+}
+
+static void subjects_that_fail_leave_nothing(void **state)
+{
+    (void)state;
+    const ssfr_measure_options options = {.min_runs = 1};
+    ssfr_measured *measured[2];
+    ssfr_graph *other = NULL;
+    ssfr_field *image = NULL;
+    ssfr_paired paired;
+    bench b;
+    bench_create(&b, NULL);
+    assert_int_equal(ssfr_graph_create(&other, ssfr_pipeline_find("bagar2010"), NULL), SSFR_OK);
+    assert_int_equal(ssfr_field_create(&image, 5, 7, 3), SSFR_OK);
+    assert_int_equal(ssfr_graph_import(other, "scene_color", image), SSFR_OK);
+    const ssfr_subject subjects[] = {{b.graph, false}, {other, false}};
+    assert_fails(SSFR_ERR_VALUE, ssfr_measure_subjects(measured, &paired, 2, subjects, &b.stage->scene, &options),
+                 "scene_color");
+    assert_true(measured[0] == NULL && measured[1] == NULL && isnan(paired.saved));
+    ssfr_field_destroy(&image);
+    ssfr_graph_destroy(&other);
+    bench_destroy(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +340,8 @@ int main(void)
         cmocka_unit_test(the_nodes_of_the_gpu_are_timed_when_asked),
         cmocka_unit_test(what_is_kept_is_timed_once_and_no_part_of_the_frame),
         cmocka_unit_test(a_graph_that_cannot_run_cannot_be_measured),
+        cmocka_unit_test(two_subjects_run_by_turns_and_are_compared_pair_by_pair),
+        cmocka_unit_test(subjects_that_fail_leave_nothing),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }

@@ -22,7 +22,7 @@ cells() { column "$@" | tr '\n' ' '; }
 # holds ID: what claims.csv says of a claim.
 holds() { sed -n "s/^$1,.*,\(yes\|no\|not measured\),[^,]*\$/\1/p" results/claims.csv; }
 
-brief="--max-time 0.02"
+brief="--max-time 0.001"
 
 # ---- a paper in a folder ----
 
@@ -138,6 +138,69 @@ that 'in one line' [ "$(lines err)" -eq 1 ]
 leaves 0 'the same command goes on' reproduce other --max-time 0.05
 that 'to every row once' [ "$(sed 1d results/other/long.csv | cut -d, -f1 | sort -nu | wc -l)" -eq 30 ]
 that 'and no more' [ "$(lines results/other/long.csv)" -eq 31 ]
+
+# ---- items that are other commands ----
+
+mkdir -p experiments/made/published
+echo '[]' >experiments/made/claims.yaml
+printf 'pass,ms\ncomposite,3.50\n(frame),19\n' >experiments/made/published/shares.csv
+small='--backend, cpu, --size, 24x16, --threads, 1'
+cat >experiments/made/bench.yaml <<END
+title: Shares of passes
+command: [bench, vanderlaan2009, --scene, splash]
+published: {file: shares.csv, on: {pass: node}, column: ms}
+quick: {title: Shares of passes at once, command: [bench, vanderlaan2009, --scene, block, $small, --max-time, 0.001]}
+END
+cat >experiments/made/pictures.yaml <<END
+title: Two to look at
+pictures:
+  - {name: usual, args: [block, $small]}
+  - {name: rough, args: [block, $small, -s, curvature_flow.iterations=0]}
+END
+leaves 0 'other items are listed' reproduce --list made
+that 'with their steps' [ "$(sed 1d out | cut -f2-4 | tr '\n' '	')" = \
+    'bench	Shares of passes at once	1	pictures	Two to look at	2	' ]
+leaves 0 'they are made' reproduce made
+printf '%s ' bench.csv bench.made.txt bench.meta.json pictures pictures.made.txt pictures/rough.png \
+    pictures/usual.png >wanted
+that 'each what it is' [ "$(cd results/made && printf '%s ' * */*)" = "$(cat wanted)" ]
+that 'what commands print is not seen' [ "$(lines out)" -eq 1 ]
+that 'with the published numbers beside' \
+    [ "$(grep -c ',3.50$' results/made/bench.csv) $(grep '(frame),' results/made/bench.csv | grep -c ',19$')" = '1 1' ]
+that 'and a record of what was done' \
+    grep -qx 'rough: ssfr render block --backend cpu .* -s curvature_flow.iterations=0' results/made/pictures.made.txt
+# fresh: what was made since it was touched.
+fresh() { find results/made -newermt 2002-01-01 \( -name '*.csv' -o -name '*.png' \) | sort | tr '\n' ' '; }
+touch -d '2001-01-01' results/made/bench.csv results/made/pictures/*.png
+rm results/made/pictures/usual.png
+leaves 0 'what is missing is made' reproduce made
+that 'and what is there stays' [ "$(fresh)" = 'results/made/pictures/usual.png ' ]
+sed -i '/^rough:/d' results/made/pictures.made.txt
+leaves 0 'what was not noted was not finished' reproduce made/pictures
+that 'and is made again' [ "$(fresh)" = 'results/made/pictures/rough.png results/made/pictures/usual.png ' ]
+refuses 'scales are not mixed here either' 'results/made/pictures.made.txt: was made by other commands' \
+    reproduce made/pictures --scale full
+cp experiments/made/pictures.yaml keep.yaml
+sed -i 's/iterations=0/iterations=1/' experiments/made/pictures.yaml
+refuses 'nor are recipes' 'results/made/pictures.made.txt: was made by other commands' reproduce made/pictures
+cp results/made/pictures/rough.png before.png
+leaves 0 'which can be made anew' reproduce made/pictures --anew
+that 'to other pictures' sh -c '! cmp -s before.png results/made/pictures/rough.png'
+sed 's/=1/=-1/' experiments/made/pictures.yaml >broken.yaml && mv broken.yaml experiments/made/pictures.yaml
+refuses 'a command that cannot run says why' 'curvature_flow.iterations=-1: out of range' reproduce made/pictures --anew
+that 'what was done before stays' [ -e results/made/pictures/usual.png ]
+mv keep.yaml experiments/made/pictures.yaml
+sed -i 's/pass: node/pass: nodes/' experiments/made/bench.yaml
+refuses 'what cannot be joined is told' 'published: results/made/bench.csv has no column nodes' \
+    reproduce made/bench --anew
+sed -i 's/vanderlaan2009, --scene, block/nothing/' experiments/made/bench.yaml
+refuses 'so is a pipeline that is none' 'nothing: no such pipeline' reproduce made/bench --anew
+echo 'command: [passes, composite]' >experiments/made/bench.yaml
+refuses 'a command must know where to write' 'unknown option' reproduce made/bench --anew
+sed -i 's/rough/usual/' experiments/made/pictures.yaml
+refuses 'what is malformed is found out before anything runs' 'pictures.yaml:4:5: the name usual stands twice' \
+    reproduce --anew
+rm -r experiments/made before.png
 
 # ---- errors: one line, and nothing half-written ----
 

@@ -9,26 +9,37 @@ typedef struct fixture {
     ssfr_rig *rig;
 } fixture;
 
-static void begin_for(fixture *f, const char *pipeline, ssfr_gl *gl, const char *const *axes, bool reference)
+/* With what the axes say beside what the YAML (NULL: nothing) does. */
+static void begin_yaml(fixture *f, ssfr_gl *gl, const char *yaml, const char *const *axes, bool reference)
 {
     *f = (fixture){0};
-    assert_int_equal(ssfr_sweep_spec_create(&f->spec), SSFR_OK);
+    if (yaml)
+        assert_int_equal(ssfr_sweep_spec_parse(&f->spec, "spec.yaml", yaml, strlen(yaml)), SSFR_OK);
+    else
+        assert_int_equal(ssfr_sweep_spec_create(&f->spec), SSFR_OK);
     for (; *axes; axes++) assert_int_equal(ssfr_sweep_spec_vary_text(f->spec, "--vary", *axes), SSFR_OK);
     if (reference) {
         assert_int_equal(ssfr_sweep_spec_reference_text(f->spec, "", "curvature_flow.iterations=6"), SSFR_OK);
         assert_int_equal(ssfr_sweep_spec_reference_text(f->spec, "", "sphere_depth.splat=exact"), SSFR_OK);
     }
     assert_int_equal(ssfr_sweep_spec_complete(f->spec), SSFR_OK);
-    f->options = (ssfr_rig_options){.spec = f->spec, .pipeline = ssfr_pipeline_find(pipeline), .gl = gl,
-                                    .measure = {.min_runs = 2}, .bandwidth_gl = 2.385e9, .bandwidth_cpu = 2.385e9};
+    f->options = (ssfr_rig_options){.spec = f->spec, .gl = gl, .measure = {.min_runs = 2}, .bandwidth_gl = 2.385e9,
+                                    .bandwidth_cpu = 2.385e9};
     ssfr_stage_defaults(&f->options.stage);
-    assert_int_equal(ssfr_rig_check(f->spec, f->options.pipeline), SSFR_OK);
+    assert_int_equal(ssfr_rig_check(f->spec, &f->options.stage), SSFR_OK);
     assert_int_equal(ssfr_rig_create(&f->rig, &f->options), SSFR_OK);
 }
 
 static void begin(fixture *f, ssfr_gl *gl, const char *const *axes, bool reference)
 {
-    begin_for(f, "vanderlaan2009", gl, axes, reference);
+    begin_yaml(f, gl, NULL, axes, reference);
+}
+
+static void remove_folder(const char *path)
+{
+    char command[256];
+    snprintf(command, sizeof command, "rm -rf '%s'", path);
+    assert_int_equal(system(command), 0);
 }
 
 static void end(fixture *f)
@@ -38,11 +49,18 @@ static void end(fixture *f)
     ssfr_sweep_spec_destroy(&f->spec);
 }
 
-static void run(const fixture *f, size_t i, double values[SSFR_N_COLUMNS])
+static void run_row(const fixture *f, size_t i, ssfr_rig_row *row)
 {
     size_t index[SSFR_MAX_AXES];
     ssfr_sweep_spec_run(f->spec, i, index);
-    assert_int_equal(ssfr_rig_run(f->rig, index, values), SSFR_OK);
+    assert_int_equal(ssfr_rig_run(f->rig, index, row), SSFR_OK);
+}
+
+static void run(const fixture *f, size_t i, double values[SSFR_N_COLUMNS])
+{
+    ssfr_rig_row row;
+    run_row(f, i, &row);
+    memcpy(values, row.values, sizeof row.values);
 }
 
 /* Errors and work, not times. */
@@ -145,10 +163,10 @@ static double bytes_of_picture(const char *pipeline, const char *surface)
 static void what_no_picture_needs_is_compared_and_not_timed(void **state)
 {
     (void)state;
-    static const char *const axes[] = {"scene=block", "size=64x48", "backend=cpu", "downsample.factor=2,1",
-                                       "layer_composite.surface=split,image", NULL};
+    static const char *const axes[] = {"pipeline=bagar2010", "scene=block", "size=64x48", "backend=cpu",
+                                       "downsample.factor=2,1", "layer_composite.surface=split,image", NULL};
     fixture f;
-    begin_for(&f, "bagar2010", NULL, axes, false);
+    begin(&f, NULL, axes, false);
     for (size_t i = 0; i < 2; i++) {
         double v[SSFR_N_COLUMNS];
         run(&f, i, v);
@@ -203,17 +221,34 @@ static void a_run_that_fails_leaves_the_next_as_it_was(void **state)
     test_write_file(path, ply, sizeof ply - 1); /* one coordinate is missing */
     snprintf(axis, sizeof axis, "scene=%s,block", path);
     const char *const axes[] = {axis, "size=64x48", "backend=cpu", NULL};
-    double v[SSFR_N_COLUMNS];
+    ssfr_rig_row row;
     size_t index[SSFR_MAX_AXES] = {0};
     fixture f;
     begin(&f, NULL, axes, true);
     test_clear_log();
-    assert_int_not_equal(ssfr_rig_run(f.rig, index, v), SSFR_OK);
+    assert_int_not_equal(ssfr_rig_run(f.rig, index, &row), SSFR_OK);
     assert_int_equal(test_n_errors(), 1);
-    for (int i = 0; i < SSFR_N_COLUMNS; i++) assert_true(isnan(v[i]));
-    run(&f, 1, v);
-    assert_true(v[SSFR_COLUMN_ms_median] > 0);
+    for (int i = 0; i < SSFR_N_COLUMNS; i++) assert_true(isnan(row.values[i]));
+    for (int i = 0; i < SSFR_N_COLUMN_TEXTS; i++) assert_string_equal(row.texts[i], "");
+    run_row(&f, 1, &row);
+    assert_true(row.values[SSFR_COLUMN_ms_median] > 0);
     end(&f);
+}
+
+/* As ssfr_sweep_spec_vary_text takes an axis, or a whole sweep. */
+static void assert_refused(ssfr_result code, const char *yaml, const char *axis, const char *message)
+{
+    ssfr_sweep_spec *spec = NULL;
+    ssfr_stage_options stage;
+    ssfr_stage_defaults(&stage);
+    if (yaml)
+        assert_int_equal(ssfr_sweep_spec_parse(&spec, "spec.yaml", yaml, strlen(yaml)), SSFR_OK);
+    else
+        assert_int_equal(ssfr_sweep_spec_create(&spec), SSFR_OK);
+    if (axis) assert_int_equal(ssfr_sweep_spec_vary_text(spec, "--vary", axis), SSFR_OK);
+    if (yaml) assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
+    assert_fails(code, ssfr_rig_check(spec, &stage), message);
+    ssfr_sweep_spec_destroy(&spec);
 }
 
 static void what_a_pipeline_does_not_take_is_refused(void **state)
@@ -229,15 +264,268 @@ static void what_a_pipeline_does_not_take_is_refused(void **state)
         {SSFR_ERR_VALUE, "sphere_depth.splat=exact,exactly", "sphere_depth.splat=exactly: expected one of"},
         {SSFR_ERR_VALUE, "backend=gl,vulkan", "--vary: backend vulkan: expected gl or cpu"},
         {SSFR_ERR_VALUE, "size=64x48,64", "--vary: size 64: expected WxH"},
+        {SSFR_ERR_VALUE, "leave_out=true,yes", "--vary: leave_out yes: expected true or false"},
+        {SSFR_ERR_VALUE, "frame=1,1.5", "--vary: frame 1.5: expected a whole number from 0"},
+        {SSFR_ERR_VALUE, "frame=-1", "--vary: frame -1: expected a whole number from 0"},
+        {SSFR_ERR_VALUE, "view=0", "--vary: view 0: the path has 0, from 0"},
+        {SSFR_ERR_UNKNOWN, "variant=a", "--vary: a: no such variant; there are none"},
+        {SSFR_ERR_UNKNOWN, "pipeline=vanderlaan2009,laan", "--vary: laan: no such pipeline; there are vanderlaan2009"},
         {SSFR_ERR_UNKNOWN, "scene=block,/nowhere/at.all", "--vary: /nowhere/at.all: no such file"},
     };
-    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
-        ssfr_sweep_spec *spec = NULL;
-        assert_int_equal(ssfr_sweep_spec_create(&spec), SSFR_OK);
-        assert_int_equal(ssfr_sweep_spec_vary_text(spec, "--vary", cases[i].axis), SSFR_OK);
-        assert_fails(cases[i].code, ssfr_rig_check(spec, ssfr_pipeline_find("vanderlaan2009")), cases[i].message);
-        ssfr_sweep_spec_destroy(&spec);
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++)
+        assert_refused(cases[i].code, NULL, cases[i].axis, cases[i].message);
+}
+
+static void variants_are_checked_before_any_run(void **state)
+{
+    (void)state;
+    static const struct {
+        ssfr_result code;
+        const char *yaml, *axis, *message;
+    } cases[] = {
+        {SSFR_ERR_UNKNOWN, "variants: {a: {}, b: {pipeline: laan}}", NULL, "spec.yaml:1:23: laan: no such pipeline"},
+        {SSFR_ERR_UNKNOWN, "variants: {a: {}, b: {set: {curvature_flow.stop: 1}}}", NULL,
+         "spec.yaml:1:29: curvature_flow.stop: pipeline vanderlaan2009 has no such parameter"},
+        {SSFR_ERR_VALUE, "variants: {a: {set: {curvature_flow.iterations: -1}}}", NULL,
+         "spec.yaml:1:22: curvature_flow.iterations=-1: out of range"},
+        {SSFR_ERR_UNKNOWN, "variants: {a: {}, b: {pipeline: bagar2010}}\nvary: {curvature_flow.iterations: [1]}", NULL,
+         "spec.yaml:2:8: curvature_flow.iterations: pipeline bagar2010 has no such parameter"},
+        {SSFR_ERR_UNKNOWN, "pipeline: [vanderlaan2009, bagar2010]\nset: {curvature_flow.iterations: 1}", NULL,
+         "spec.yaml:2:7: curvature_flow.iterations: pipeline bagar2010 has no such parameter"},
+        {SSFR_ERR_VALUE, "variants: {a: {size: 3}}", NULL, "spec.yaml:1:16: size 3: expected WxH"},
+        {SSFR_ERR_VALUE, "variants: {a: {frame: x}}", NULL, "spec.yaml:1:16: frame x: expected a whole number"},
+        {SSFR_ERR_UNKNOWN, "variants: {a: {scene: no.where}}", NULL, "spec.yaml:1:16: no.where: no such file"},
+        {SSFR_ERR_VALUE, "variants: {a: {scene: block}}\nscene: [block, sphere]", NULL,
+         "spec.yaml:1:16: variant a has a scene of its own, and spec.yaml:2:1 has several"},
+        {SSFR_ERR_UNKNOWN, "variants: {a: {}, b: {}}", "variant=b,c", "--vary: c: no such variant; there are a, b"},
+        {SSFR_ERR_UNKNOWN, "variants: {a: {set: {truth.level: 0.4}}}", NULL,
+         "spec.yaml:1:22: truth.level: only a sweep with `reference: truth` has it"},
+    };
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++)
+        assert_refused(cases[i].code, cases[i].yaml, cases[i].axis, cases[i].message);
+}
+
+static void cameras_and_paths_are_checked_before_any_run(void **state)
+{
+    (void)state;
+    static const struct {
+        ssfr_result code;
+        const char *yaml, *message;
+    } cases[] = {
+        {SSFR_ERR_UNKNOWN, "{scene: block, camera: top}", "spec.yaml:1:16: --camera top: block has no cameras"},
+        {SSFR_ERR_UNKNOWN, "{scene: bagar2010/bamboo, camera: [default, top]}",
+         "spec.yaml:1:27: bagar2010/bamboo: no camera top: there are default, close"},
+        {SSFR_ERR_UNKNOWN, "{scene: bagar2010/bamboo, variants: {a: {camera: top}}}",
+         "spec.yaml:1:42: bagar2010/bamboo: no camera top"},
+        {SSFR_ERR_VALUE, "{scene: bagar2010/bamboo, path: {camera: close, views: 2}}",
+         "spec.yaml:1:27: path: bagar2010/bamboo: close: the camera has no path"},
+        {SSFR_ERR_VALUE, "{scene: block, path: {views: 2}}", "spec.yaml:1:16: path: block: there is no camera"},
+        {SSFR_ERR_VALUE, "{scene: bagar2010/bamboo, frame: 3, path: {views: 2, frames: follow}}",
+         "spec.yaml:1:37: path: the frames follow the camera: spec.yaml:1:27 says which, too"},
+    };
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++)
+        assert_refused(cases[i].code, cases[i].yaml, NULL, cases[i].message);
+}
+
+static void what_cannot_be_held_against_each_other_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        ssfr_result code;
+        const char *yaml, *message;
+    } cases[] = {
+        {SSFR_ERR_UNKNOWN, "against: {variant: a}", "spec.yaml:1:11: against: variant is no axis of the sweep"},
+        {SSFR_ERR_VALUE, "{variants: {a: {}}, against: {variant: b}}", "1:31: against: variant has no value b"},
+        {SSFR_ERR_VALUE, "{scene: block, against: {scene: block}}", "against: scene: only pipeline, variant"},
+        {SSFR_ERR_VALUE, "{backend: [gl, cpu], against: {backend: cpu}}", "against: backend: only pipeline, variant"},
+        {SSFR_ERR_VALUE, "{reference: truth, against: {truth.kind: density}}", "against: truth.kind: only pipeline"},
+        {SSFR_ERR_VALUE, "{variants: {a: {}, b: {size: 32x24}}, against: {variant: a}}",
+         "against: variants b and a differ in their size"},
+        {SSFR_ERR_VALUE, "{variants: {a: {frame: 1}, b: {frame: 2}}, against: {variant: a}}",
+         "against: variants b and a differ in their frame"},
+        {SSFR_ERR_UNKNOWN, "{variants: {a: {}}, against: {variant: a}, added: [flip]}",
+         "spec.yaml:1:21: added: flip is no column of errors"},
+        {SSFR_ERR_UNKNOWN, "{variants: {a: {}}, against: {variant: a}, added: [ms_median]}",
+         "added: ms_median is no column of errors"},
+        {SSFR_ERR_UNKNOWN, "{variants: {a: {}}, against: {variant: a}, added: [left_out]}",
+         "added: left_out is no column of errors"},
+        {SSFR_ERR_VALUE, "{added: [ref_flip]}", "spec.yaml:1:2: added: to what? there is no against"},
+    };
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++)
+        assert_refused(cases[i].code, cases[i].yaml, NULL, cases[i].message);
+}
+
+/* What one sets must not stay for the next: each gives what it gives on a rig of its own. */
+static void variants_leave_nothing_to_each_other(void **state)
+{
+    (void)state;
+    static const char yaml[] =
+        "size: 64x48\nbackend: cpu\nset: {sphere_depth.splat: exact}\n"
+        "variants: {base: {scene: block}, few: {scene: block, set: {curvature_flow.iterations: 3}},\n"
+        "  layers: {scene: sphere, pipeline: bagar2010, size: 48x32}, round: {scene: sphere}}\n";
+    static const size_t order[] = {0, 1, 0, 2, 3, 2, 1};
+    static const char *const none[] = {NULL};
+    fixture shared;
+    begin_yaml(&shared, NULL, yaml, none, false);
+    for (size_t i = 0; i < SSFR_COUNT(order); i++) {
+        ssfr_rig_row a, b;
+        fixture own;
+        run_row(&shared, order[i], &a);
+        begin_yaml(&own, NULL, yaml, none, false);
+        run_row(&own, order[i], &b);
+        end(&own);
+        assert_same_errors(a.values, b.values);
+        assert_string_equal(a.texts[SSFR_COLUMN_TEXT_color_hash], b.texts[SSFR_COLUMN_TEXT_color_hash]);
     }
+    end(&shared);
+}
+
+static void a_row_is_held_against_another(void **state)
+{
+    (void)state;
+    static const char yaml[] = "{scene: block, size: 64x48, backend: cpu, variants: {base: {set: "
+                               "{curvature_flow.iterations: 6}}, few: {set: {curvature_flow.iterations: 1}}}, against: "
+                               "{variant: base}, added: [ref_depth_rms, ref_iou]}";
+    static const char *const none[] = {NULL};
+    fixture f;
+    ssfr_rig_row base, few;
+    begin_yaml(&f, NULL, yaml, none, true);
+    run_row(&f, 0, &base);
+    run_row(&f, 1, &few);
+    assert_true(isfinite(base.values[SSFR_COLUMN_ms_saved]) && base.values[SSFR_COLUMN_ms_ratio] > 0);
+    assert_true(few.values[SSFR_COLUMN_ms_ratio] > 0 && few.values[SSFR_COLUMN_ms_ratio_mad] >= 0);
+    assert_close(base.added[0], 0, 0, 0);
+    assert_true(few.added[0] != 0);
+    assert_close(few.added[0], few.values[SSFR_COLUMN_ref_depth_rms] - base.values[SSFR_COLUMN_ref_depth_rms], 0, 0);
+    assert_close(few.added[1], few.values[SSFR_COLUMN_ref_iou] - base.values[SSFR_COLUMN_ref_iou], 0, 0);
+    assert_true(isnan(few.added[2]));
+    end(&f);
+}
+
+static void without_another_row_nothing_is_saved_or_added(void **state)
+{
+    (void)state;
+    static const char *const axes[] = {"scene=block", "size=64x48", "backend=cpu", NULL};
+    fixture f;
+    ssfr_rig_row row;
+    begin(&f, NULL, axes, true);
+    run_row(&f, 0, &row);
+    assert_true(isnan(row.values[SSFR_COLUMN_ms_saved]) && isnan(row.values[SSFR_COLUMN_ms_ratio]) &&
+                isnan(row.values[SSFR_COLUMN_ms_ratio_mad]) && isnan(row.added[0]));
+    assert_true(isnan(row.values[SSFR_COLUMN_camera_time]));
+    end(&f);
+}
+
+static void leaving_out_is_an_axis_and_changes_no_bit(void **state)
+{
+    (void)state;
+    static const char *const axes[] = {"scene=block", "size=64x48", "backend=cpu", "leave_out=true,false", NULL};
+    fixture f;
+    ssfr_rig_row lean, full;
+    begin(&f, NULL, axes, false);
+    run_row(&f, 0, &lean);
+    run_row(&f, 1, &full);
+    assert_string_equal(lean.texts[SSFR_COLUMN_TEXT_left_out],
+                        "surface_noise unwanted;noise_normals needless;noise_foam needless");
+    assert_string_equal(full.texts[SSFR_COLUMN_TEXT_left_out], "");
+    assert_int_equal(strlen(lean.texts[SSFR_COLUMN_TEXT_color_hash]), 16);
+    assert_string_equal(lean.texts[SSFR_COLUMN_TEXT_color_hash], full.texts[SSFR_COLUMN_TEXT_color_hash]);
+    assert_true(lean.values[SSFR_COLUMN_covered] <= 1 && full.values[SSFR_COLUMN_covered] == 1);
+    assert_true(full.values[SSFR_COLUMN_taps] > lean.values[SSFR_COLUMN_taps]);
+    end(&f);
+}
+
+static void smoothing_that_is_not_stable_is_not_bounded(void **state)
+{
+    (void)state;
+    static const char *const axes[] = {"scene=block", "size=64x48", "backend=cpu", "curvature_flow.iterations=100",
+                                       "curvature_flow.unstable=limit,allow", NULL};
+    fixture f;
+    ssfr_rig_row stable, wild;
+    begin(&f, NULL, axes, false);
+    assert_int_equal(ssfr_sweep_spec_set_text(f.spec, "--set", "curvature_flow.step=100"), SSFR_OK);
+    run_row(&f, 0, &stable);
+    run_row(&f, 1, &wild);
+    assert_true(stable.values[SSFR_COLUMN_bounded] == 1 && stable.values[SSFR_COLUMN_finite] == 1);
+    assert_true(wild.values[SSFR_COLUMN_bounded] == 0);
+    end(&f);
+}
+
+/* A drop in the middle, and a camera that goes past it. */
+static const char drop[] =
+    "title: A drop\nradius: 0.05\nparticles: 30\nduration: 0.2\nframe_rate: 10\n"
+    "domain: {lo: [0, 0, 0], hi: [1, 1, 1]}\nfluid: {drop: {lo: [0, 0, 0], hi: [0.3, 0.3, 0.3]}}\n"
+    "cameras: {path: {target: [0.2, 0.1, 0.2], keys: [{time: 0, eye: [0, 1, 2]}, {time: 0.2, eye: [1, 0.5, 3]}]}}\n";
+
+static void begin_drop(fixture *f, const char *rest)
+{
+    const char *path = test_path("drop_path.yaml");
+    char yaml[512];
+    static const char *const none[] = {NULL};
+    test_write_file(path, drop, sizeof drop - 1);
+    snprintf(yaml, sizeof yaml, "{scene: %s, size: 32x24, backend: cpu, %s}", path, rest);
+    begin_yaml(f, NULL, yaml, none, false);
+    f->options.stage.cache = test_path("drop_frames");
+    f->options.stage.scale = SSFR_SCALE_FULL;
+}
+
+static void assert_view(const fixture *f, size_t i, double x, long frame)
+{
+    size_t index[SSFR_MAX_AXES];
+    const ssfr_stage *stage;
+    ssfr_sweep_spec_run(f->spec, i, index);
+    assert_int_equal(ssfr_rig_stage(f->rig, index, &stage), SSFR_OK);
+    assert_close(stage->scene.camera.eye[0], x, 1e-12, 0);
+    assert_int_equal(stage->frame, frame);
+}
+
+static void end_drop(fixture *f)
+{
+    end(f);
+    remove_folder(test_path("drop_frames"));
+}
+
+static void views_are_evenly_spaced_along_the_path(void **state)
+{
+    (void)state;
+    fixture f;
+    ssfr_rig_row row;
+    begin_drop(&f, "frame: 1, path: {camera: path, views: 5}");
+    for (int i = 0; i < 5; i++) assert_view(&f, (size_t)i, 0.25 * i, 1);
+    run_row(&f, 3, &row);
+    assert_close(row.values[SSFR_COLUMN_camera_time], 0.15, 1e-15, 0);
+    end_drop(&f);
+    begin_drop(&f, "path: {views: 1}");
+    assert_view(&f, 0, 0, 2); /* of three frames the one two thirds of the way */
+    end_drop(&f);
+    begin_drop(&f, "path: {views: 5, frames: follow}");
+    static const long frames[] = {0, 1, 1, 2, 2}; /* those nearest to 0, 0.05, .. 0.2 s */
+    for (int i = 4; i >= 0; i--) assert_view(&f, (size_t)i, 0.25 * i, frames[i]);
+    end_drop(&f);
+}
+
+static void what_tells_the_time_twice_is_refused(void **state)
+{
+    (void)state;
+    fixture f;
+    begin_drop(&f, "path: {views: 2, frames: follow}");
+    f.options.stage.camera_time = 0.1;
+    assert_fails(SSFR_ERR_VALUE, ssfr_rig_check(f.spec, &f.options.stage), "--camera-time says where the camera is");
+    f.options.stage.camera_time = NAN;
+    f.options.stage.time = 0.1;
+    assert_fails(SSFR_ERR_VALUE, ssfr_rig_check(f.spec, &f.options.stage), "--frame or --time says which, too");
+    end_drop(&f);
+    begin_drop(&f, "frame: 1");
+    f.options.stage.time = 0.1;
+    assert_fails(SSFR_ERR_VALUE, ssfr_rig_check(f.spec, &f.options.stage), "frame: --time says which, too");
+    end_drop(&f);
+    begin_drop(&f, "frame: [1, 9]");
+    size_t index[SSFR_MAX_AXES];
+    ssfr_rig_row row;
+    ssfr_sweep_spec_run(f.spec, 1, index);
+    assert_fails(SSFR_ERR_VALUE, ssfr_rig_run(f.rig, index, &row), "there is no frame 9");
+    run_row(&f, 0, &row);
+    end_drop(&f);
 }
 
 static void rounding_is_told_from_what_the_method_does(void **state)
@@ -298,9 +586,7 @@ static void what_a_scene_sets_is_gone_with_it_and_yields_to_the_sweep(void **sta
     assert_string_not_equal(iterations_of(&f, 1, text), "7");
     assert_string_equal(iterations_of(&f, 0, text), "5");
     end(&f);
-    char command[256];
-    snprintf(command, sizeof command, "rm -rf '%s'", cache);
-    assert_int_equal(system(command), 0);
+    remove_folder(cache);
 }
 
 int main(void)
@@ -316,6 +602,16 @@ int main(void)
         cmocka_unit_test(a_scene_without_particles_can_be_compared),
         cmocka_unit_test(a_run_that_fails_leaves_the_next_as_it_was),
         cmocka_unit_test(what_a_pipeline_does_not_take_is_refused),
+        cmocka_unit_test(variants_are_checked_before_any_run),
+        cmocka_unit_test(cameras_and_paths_are_checked_before_any_run),
+        cmocka_unit_test(what_cannot_be_held_against_each_other_is_refused),
+        cmocka_unit_test(variants_leave_nothing_to_each_other),
+        cmocka_unit_test(a_row_is_held_against_another),
+        cmocka_unit_test(without_another_row_nothing_is_saved_or_added),
+        cmocka_unit_test(leaving_out_is_an_axis_and_changes_no_bit),
+        cmocka_unit_test(smoothing_that_is_not_stable_is_not_bounded),
+        cmocka_unit_test(views_are_evenly_spaced_along_the_path),
+        cmocka_unit_test(what_tells_the_time_twice_is_refused),
         cmocka_unit_test(rounding_is_told_from_what_the_method_does),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);

@@ -147,7 +147,7 @@ static ssfr_field *thickness_of(ssfr_graph *graph, const ssfr_scene *scene)
 {
     ssfr_shot shot = {0};
     const ssfr_pipeline *pipeline = ssfr_pipeline_find("bagar2010");
-    assert_int_equal(ssfr_shot_want(graph, pipeline), SSFR_OK);
+    assert_int_equal(ssfr_shot_want(graph, pipeline, true), SSFR_OK);
     assert_int_equal(ssfr_graph_run(graph, scene, NULL), SSFR_OK);
     assert_int_equal(ssfr_shot_take(&shot, graph, pipeline, W, H), SSFR_OK);
     ssfr_field *thickness = shot.parts[SSFR_SHOT_THICKNESS];

@@ -28,8 +28,8 @@ keys() { sed 1d "$1" | cut -d, -f1-7 | sort; }
 each_once() { [ -z "$(keys "$1" | uniq -d)" ] && [ "$(rows "$1")" -eq "$2" ]; }
 nothing_but() { [ "$(ls | sort | tr '\n' ' ')" = "$(printf '%s\n' err out "$@" | sort | tr '\n' ' ')" ]; }
 
-cpu="--scene block --size 48x32 --backend cpu"
-brief="--max-time 0.05"
+cpu="--scene block --size 48x32 --backend cpu --threads 1" # so few pixels are little work for several
+brief="--max-time 0.001"
 
 # ---- what runs ----
 
@@ -121,42 +121,46 @@ rm ./*.exr difference.png && rm -r cache
 
 # ---- killed and resumed ----
 
-many="$cpu --max-time 0.08 --vary curvature_flow.iterations=0:23:1"
+many="$cpu --vary curvature_flow.iterations=0:15:1"
+slow="$many --max-time 0.1" # a row; so that there is time to end it
 kills=0
 while [ $kills -lt 3 ]; do
-    "$ssfr" sweep $many -o k.csv --resume 2>/dev/null &
+    "$ssfr" sweep $slow -o k.csv --resume 2>/dev/null &
     child=$!
     had=$(lines k.csv)
     tries=0
-    while [ $tries -lt 200 ] && [ "$(lines k.csv)" -lt $((had + 4)) ]; do sleep 0.05; tries=$((tries + 1)); done
+    while [ $tries -lt 500 ] && [ "$(lines k.csv)" -lt $((had + 2)) ]; do sleep 0.02; tries=$((tries + 1)); done
     kill -KILL $child 2>/dev/null && kills=$((kills + 1)) || break
     wait $child 2>/dev/null
 done
 that 'a sweep was killed three times' [ $kills -eq 3 ]
-that 'and had not finished' [ "$(rows k.csv)" -lt 24 ]
-leaves 0 'it is resumed' sweep $many -o k.csv --resume
-that 'with every row once at the end' each_once k.csv 24
+that 'and had not finished' [ "$(rows k.csv)" -lt 16 ]
+leaves 0 'it is resumed' sweep $many $brief -o k.csv --resume
+that 'with every row once at the end' each_once k.csv 16
 that 'and all of them ok' [ "$(column k.csv status | sort -u)" = ok ]
 cp k.csv whole.csv
-leaves 0 'a whole table needs no run' sweep $many -o k.csv --resume
+cp k.meta.json whole.json
+leaves 0 'a whole table needs no run' sweep $many $brief -o k.csv --resume
 that 'and stays as it was' cmp -s k.csv whole.csv
+that 'with what stands beside it' cmp -s k.meta.json whole.json
+rm whole.json
 size=$(wc -c <whole.csv)
-for part in 10 200 $((size / 2)) $((size - 20)) $((size - 1)); do
+for part in 10 1500 $((size / 2)) $((size - 20)) $((size - 1)); do
     head -c "$part" whole.csv >k.csv
-    run sweep $many -o k.csv --resume
-    that "a table cut at byte $part is made whole" each_once k.csv 24
+    run sweep $many $brief -o k.csv --resume
+    that "a table cut at byte $part is made whole" each_once k.csv 16
 done
-"$ssfr" sweep $many -o i.csv 2>err &
+"$ssfr" sweep $slow -o i.csv 2>err &
 child=$!
-while [ "$(lines i.csv)" -lt 4 ]; do sleep 0.05; done
+while [ "$(lines i.csv)" -lt 3 ]; do sleep 0.02; done
 kill -TERM $child
 wait $child
 status=$?
 that 'a sweep that is asked to stop leaves with 2' [ $status -eq 2 ]
-that 'says how to go on' grep -q '^ssfr sweep: interrupted after [0-9]* of 24 runs.*--resume' err
+that 'says how to go on' grep -q '^ssfr sweep: interrupted after [0-9]* of 16 runs.*--resume' err
 that 'and ends in a whole row' [ "$(tail -n 1 i.csv | tr -cd , | wc -c)" -eq "$(head -n 1 i.csv | tr -cd , | wc -c)" ]
-leaves 0 'from which it goes on' sweep $many -o i.csv --resume
-that 'to every row once' each_once i.csv 24
+leaves 0 'from which it goes on' sweep $many $brief -o i.csv --resume
+that 'to every row once' each_once i.csv 16
 refuses 'a table of other columns is not resumed' \
     'column 1 is curvature_flow.iterations, expected curvature_flow.step' \
     sweep $cpu --vary curvature_flow.step=0.5 -o i.csv --resume
@@ -168,14 +172,73 @@ refuses 'nor from a view that differs in the last digit' 'i.csv: was measured wi
     sweep $many --fov 45.0000001 -o i.csv --resume
 refuses 'nor with other frames before it' 'i.csv: was measured with other settings' \
     sweep $many --play none -o i.csv --resume
-that 'and neither is touched' each_once i.csv 24
+that 'and neither is touched' each_once i.csv 16
 rm ./*.csv ./*.json
 
-for k in 1 2 3; do run sweep $cpu $brief --vary curvature_flow.iterations=0:6:1 --shard $k/3 -o s$k.csv; done
+for k in 1 2 3; do run sweep $cpu $brief --vary curvature_flow.iterations=0:4:1 --shard $k/3 -o s$k.csv; done
 sed 1d s2.csv >>s1.csv
 sed 1d s3.csv >>s1.csv
-that 'three shards make every row once' each_once s1.csv 7
+that 'three shards make every row once' each_once s1.csv 5
 rm ./s*
+
+# ---- variants, views, and rows that are held against another ----
+
+cat >variants.yaml <<'END'
+scene: block
+size: 48x32
+backend: cpu
+variants:
+  base: {}
+  few: {set: {curvature_flow.iterations: 3}}
+  layers: {pipeline: bagar2010, size: 32x24}
+END
+leaves 0 'variants are an axis' sweep variants.yaml --dry-run
+printf '%s\n' base,block,cpu,vanderlaan2009,48,32 few,block,cpu,vanderlaan2009,48,32 \
+    layers,block,cpu,bagar2010,32,24 >wanted
+that 'whose own pipelines and sizes stand in the rows' [ "$(sed 1d out)" = "$(cat wanted)" ]
+leaves 0 'they are run' sweep variants.yaml $brief -o v.csv
+that 'and what is their own is no key' \
+    [ "$(head -n 1 v.csv | cut -d, -f1-7)" = variant,scene,backend,status,pipeline,width,height ]
+that 'but a cell' [ "$(sed -n 4p v.csv | cut -d, -f1-7)" = layers,block,cpu,ok,bagar2010,32,24 ]
+leaves 0 'by which such a table is gone on with' sweep variants.yaml $brief -o v.csv --resume
+that 'to every row once' [ "$(rows v.csv)" -eq 3 ]
+leaves 0 'some of them can be chosen' sweep variants.yaml --vary variant=few,base --dry-run
+that 'in another order' [ "$(column out variant | tr '\n' ' ')" = 'few base ' ]
+{ cat variants.yaml; echo 'against: {variant: base}'; } >wrong.yaml
+refuses 'what shows something else is not held against it' 'variants layers and base differ in their size' \
+    sweep wrong.yaml
+sed 's/, size: 32x24//' wrong.yaml >held.yaml
+printf '%s\n' 'reference: {curvature_flow.iterations: 6}' >>held.yaml
+refuses 'what a pipeline lacks is no setting of its reference' \
+    'held.yaml:9:13: curvature_flow.iterations: pipeline bagar2010 has no such parameter' sweep held.yaml
+printf '%s\n' 'added: [ref_depth_rms]' >>held.yaml
+leaves 0 'rows are held against one of them' sweep held.yaml $brief --vary variant=base,few -o h.csv
+that 'in time' [ "$(column h.csv ms_ratio | awk '$1 > 0' | wc -l)" -eq 2 ]
+that 'and in error' \
+    [ "$(column h.csv ref_depth_rms_added | awk 'NR == 1 && $1 == 0 || NR == 2 && $1 != 0' | wc -l)" -eq 2 ]
+that 'which the metadata tell of' \
+    [ "$(grep -c '"curvature_flow.iterations": "3"\|"against": {\|"ref_depth_rms_added' h.meta.json)" -eq 3 ]
+leaves 0 'such a table needs no run either' sweep held.yaml $brief --vary variant=base,few -o h.csv --resume
+sed -i 's/iterations: 3/iterations: 4/' held.yaml
+refuses 'a variant of the same name is not the same variant' 'h.csv: was measured with other settings' \
+    sweep held.yaml $brief --vary variant=base,few -o h.csv --resume
+leaves 0 'leaving out is an axis' sweep --scene block --size 48x32 --backend cpu $brief --vary leave_out=true,false
+that 'which changes no bit' [ "$(column out color_hash | sort -u | wc -l)" -eq 1 ]
+that 'though less is done' [ "$(column out taps | sort -u | wc -l)" -eq 2 ]
+that 'and all is as it should be' [ "$(column out finite | sort -u)/$(column out bounded | sort -u)" = 1/1 ]
+leaves 0 'pipelines are an axis, frames and cameras too' sweep --vary pipeline=vanderlaan2009,bagar2010 \
+    --scene bagar2010/bamboo --camera default,close --frame 3 --dry-run
+printf '%s\n' default,3,bagar2010/bamboo,vanderlaan2009,gl,1280,720 \
+    close,3,bagar2010/bamboo,bagar2010,gl,1280,720 >wanted
+that 'with a row each' [ "$(sed -n '2p;5p' out)" = "$(cat wanted)" ]
+{ echo 'path: {camera: default, views: 3, frames: follow}'; echo 'scene: bagar2010/bamboo'; } >path.yaml
+leaves 0 'views are those of a path' sweep path.yaml --dry-run
+that 'from its first to its last' [ "$(column out view | tr '\n' ' ')" = '0 1 2 ' ]
+refuses 'a path is of a camera that has one' 'path.yaml:1:1: path: bagar2010/bamboo: close: the camera has no path' \
+    sweep path.yaml --camera close
+refuses 'who follows it says no frame' 'path: the frames follow the camera: --frame says which, too' \
+    sweep path.yaml --frame 3
+rm ./*.yaml h.* v.* wanted
 
 # ---- errors, before anything runs ----
 

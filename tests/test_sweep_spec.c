@@ -188,11 +188,12 @@ static void a_sweep_is_completed_by_what_it_lacks(void **state)
     size_t n = 0;
     assert_int_equal(ssfr_sweep_spec_vary_text(spec, "", "size=640x360,64x48"), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
-    assert_int_equal(spec->n_axes, 3);
+    assert_int_equal(spec->n_axes, 4);
     assert_string_equal(spec->axes[0].key, "size");
-    assert_string_equal(spec->axes[1].values[0], "splash");
-    assert_string_equal(spec->axes[2].key, "backend");
-    assert_string_equal(spec->axes[2].values[0], "gl");
+    assert_string_equal(spec->axes[1].values[0], "vanderlaan2009");
+    assert_string_equal(spec->axes[2].values[0], "splash");
+    assert_string_equal(spec->axes[3].key, "backend");
+    assert_string_equal(spec->axes[3].values[0], "gl");
     assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
     assert_int_equal(n, 2);
@@ -274,7 +275,7 @@ static void every_table_names_its_truth(void **state)
 
 static const char whole[] = "# a comment\n"
                             "title: What a step costs\n"
-                            "pipeline: vanderlaan2009\n"
+                            "pipeline: [vanderlaan2009, bagar2010]\n"
                             "scene: splash\n"
                             "size: [320x180, 640x360]\n"
                             "set: {floor.tile: 0.5}\n"
@@ -290,6 +291,13 @@ static const char whole[] = "# a comment\n"
                             "  - {x: flow.iterations, y: ref_psnr, lines: [flow.step], only: {backend: [cpu, gl]}}\n"
                             "  - {title: Time, x: flow.iterations, y: ms_median, y_label: t}\n"
                             "published: {file: tab1.csv, on: {place: scene, n: flow.iterations}, column: ms}\n"
+                            "variants:\n"
+                            "  base: {}\n"
+                            "  close: {camera: near, frame: 3, size: 64x49, set: {flow.step: 0.5}}\n"
+                            "path: {camera: zoom, views: 30, frames: follow}\n"
+                            "leave_out: [true, false]\n"
+                            "against: {variant: base, leave_out: true}\n"
+                            "added: [ref_psnr, ref_flip]\n"
                             "quick:\n"
                             "  title: Less\n"
                             "  set: {floor.tile: 0.7}\n"
@@ -303,17 +311,42 @@ static ssfr_result load_text(ssfr_sweep_spec **spec, const char *text, size_t si
     return ssfr_sweep_spec_load(spec, path);
 }
 
+static void assert_new_axes(const ssfr_sweep_spec *spec)
+{
+    assert_string_equal(spec->axes[7].key, "variant");
+    assert_string_equal(spec->axes[7].values[1], "close");
+    const ssfr_variant *close = ssfr_sweep_spec_variant(spec, "close");
+    assert_string_equal(ssfr_variant_own(close, "camera")->value, "near");
+    assert_string_equal(ssfr_variant_own(close, "frame")->value, "3");
+    assert_null(ssfr_variant_own(close, "scene"));
+    assert_string_equal(close->settings.items[0].value, "0.5");
+    assert_int_equal(ssfr_sweep_spec_variant(spec, "base")->own.n, 0);
+    assert_null(ssfr_sweep_spec_variant(spec, "clos"));
+    assert_string_equal(spec->axes[8].key, "camera");
+    assert_string_equal(spec->axes[8].values[0], "zoom");
+    assert_string_equal(spec->axes[9].key, "view");
+    assert_string_equal(spec->axes[9].values[29], "29");
+    assert_int_equal(spec->path.views, 30);
+    assert_int_equal(spec->path.frames, SSFR_PATH_FOLLOW);
+    assert_string_equal(spec->axes[10].values[1], "false");
+    assert_int_equal(spec->against.cells.n, 2);
+    assert_string_equal(spec->against.cells.items[0].value, "base");
+    assert_int_equal(spec->against.n_added, 2);
+    assert_string_equal(spec->against.added[1], "ref_flip");
+}
+
 static void assert_whole(const ssfr_sweep_spec *spec)
 {
     size_t n = 0;
     assert_string_equal(spec->title, "What a step costs");
-    assert_string_equal(spec->pipeline, "vanderlaan2009");
-    assert_int_equal(spec->n_axes, 6);
-    assert_string_equal(spec->axes[2].key, "flow.iterations");
-    assert_string_equal(spec->axes[4].values[1], "B10,B11");
-    assert_string_equal(spec->axes[5].values[1], "cpu");
+    assert_int_equal(spec->n_axes, 11);
+    assert_string_equal(spec->axes[0].values[1], "bagar2010");
+    assert_string_equal(spec->axes[3].key, "flow.iterations");
+    assert_string_equal(spec->axes[5].values[1], "B10,B11");
+    assert_string_equal(spec->axes[6].values[1], "cpu");
     assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
-    assert_int_equal(n, 2 * 3 * 2 * 2 * 2);
+    assert_int_equal(n, 2 * 2 * 3 * 2 * 2 * 2 * 2 * 1 * 30 * 2);
+    assert_new_axes(spec);
     assert_int_equal(spec->settings.n, 1);
     assert_int_equal(spec->compared_with, SSFR_REFERENCE_FRAME);
     assert_string_equal(spec->reference.items[0].value, "60");
@@ -345,7 +378,7 @@ static void a_whole_sweep_is_read(void **state)
     ssfr_sweep_spec *spec = NULL;
     assert_int_equal(load_text(&spec, whole, sizeof whole - 1), SSFR_OK);
     assert_whole(spec);
-    assert_non_null(strstr(spec->axes[2].where, "spec.yaml:8:3"));
+    assert_non_null(strstr(spec->axes[3].where, "spec.yaml:8:3"));
     assert_non_null(strstr(spec->settings.items[0].where, "spec.yaml:6:7"));
     ssfr_sweep_spec_destroy(&spec);
 }
@@ -407,11 +440,70 @@ static void what_quick_says_replaces_what_is_said_above(void **state)
     assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_quicken(spec), SSFR_OK);
     assert_string_equal(spec->title, "Less");
-    assert_string_equal(spec->axes[2].key, "flow.iterations");
-    assert_int_equal(spec->axes[2].n, 1);
+    assert_string_equal(spec->axes[3].key, "flow.iterations");
+    assert_int_equal(spec->axes[3].n, 1);
     assert_int_equal(ssfr_sweep_spec_count(spec, &n), SSFR_OK);
-    assert_int_equal(n, 2 * 1 * 2 * 2 * 2);
+    assert_int_equal(n, 2 * 2 * 1 * 2 * 2 * 2 * 2 * 1 * 12 * 2);
+    assert_int_equal(spec->path.views, 12);
+    assert_string_equal(ssfr_variant_own(ssfr_sweep_spec_variant(spec, "close"), "size")->value, "32x24");
     assert_string_equal(spec->settings.items[spec->settings.n - 1].value, "0.7"); /* the last one counts */
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void quick_scale_may_have_variants_and_a_path_of_its_own(void **state)
+{
+    (void)state;
+    static const char text[] = "variants: {a: {size: 64x48}, b: {}}\npath: {views: 40}\n"
+                               "quick: {variants: {c: {size: 64x48}}, path: {views: 20}, frame: 3}\n";
+    ssfr_sweep_spec *spec = NULL;
+    assert_int_equal(ssfr_sweep_spec_parse(&spec, "spec.yaml", text, strlen(text)), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_quicken(spec), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_axis(spec, "variant")->n, 1);
+    assert_null(ssfr_sweep_spec_variant(spec, "a"));
+    assert_string_equal(ssfr_variant_own(ssfr_sweep_spec_variant(spec, "c"), "size")->value, "64x48");
+    assert_int_equal(spec->path.views, 20);
+    assert_int_equal(ssfr_sweep_spec_axis(spec, "view")->n, 20);
+    assert_int_equal(ssfr_sweep_spec_axis(spec, "frame")->n, 1);
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void what_a_variant_has_counts_for_more_than_the_axis(void **state)
+{
+    (void)state;
+    static const char text[] = "scene: block\nframe: [1, 2]\nvariants: {a: {}, b: {scene: sphere, camera: top}}\n";
+    ssfr_sweep_spec *spec = NULL;
+    size_t index[SSFR_MAX_AXES];
+    assert_int_equal(ssfr_sweep_spec_parse(&spec, "spec.yaml", text, strlen(text)), SSFR_OK);
+    ssfr_sweep_spec_run(spec, 2, index); /* frame 2, variant a */
+    assert_string_equal(ssfr_sweep_spec_value(spec, index, "scene"), "block");
+    assert_string_equal(ssfr_sweep_spec_value(spec, index, "frame"), "2");
+    assert_null(ssfr_sweep_spec_value(spec, index, "camera"));
+    assert_string_equal(ssfr_sweep_spec_variant_of(spec, index)->name, "a");
+    ssfr_sweep_spec_run(spec, 3, index);
+    assert_string_equal(ssfr_sweep_spec_value(spec, index, "scene"), "sphere");
+    assert_string_equal(ssfr_sweep_spec_where(spec, index, "scene"), "spec.yaml:3:23");
+    assert_string_equal(ssfr_sweep_spec_value(spec, index, "camera"), "top");
+    assert_string_equal(ssfr_sweep_spec_value(spec, index, "variant"), "b");
+    ssfr_sweep_spec_destroy(&spec);
+}
+
+static void a_part_of_the_axes_has_a_product_of_its_own(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"variant", "a.c", "scene"};
+    ssfr_sweep_spec *spec = new_spec();
+    size_t index[SSFR_MAX_AXES] = {0}, n = 1;
+    assert_int_equal(ssfr_sweep_spec_vary(spec, "", "scene", "a,b"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_vary(spec, "", "a.b", "1,2,3"), SSFR_OK);
+    assert_int_equal(ssfr_sweep_spec_vary(spec, "", "a.c", "1,2,3"), SSFR_OK);
+    for (; ssfr_sweep_spec_next(spec, 3, keys, index); n++) {
+        assert_int_equal(index[0], n % 2);
+        assert_int_equal(index[1], 0);
+        assert_int_equal(index[2], n / 2);
+    }
+    assert_int_equal(n, 6);
+    assert_true(index[0] == 0 && index[2] == 0);
     ssfr_sweep_spec_destroy(&spec);
 }
 
@@ -441,10 +533,32 @@ static void malformed_sweeps_are_refused_with_their_place(void **state)
         {SSFR_ERR_FORMAT, "# nothing\n", "spec.yaml:1:1: an empty file"},
         {SSFR_ERR_FORMAT, "- a\n", "spec.yaml:1:1: the sweep: expected a map"},
         {SSFR_ERR_FORMAT, "just words\n", "spec.yaml:1:1: the sweep: expected a map"},
-        {SSFR_ERR_FORMAT, "title: x\nscenes: y\n", "spec.yaml:2:1: no key scenes: a sweep has title, pipeline, scene"},
+        {SSFR_ERR_FORMAT, "title: x\nscenes: y\n",
+         "spec.yaml:2:1: no key scenes: a sweep has title, pipeline, variants, scene"},
         {SSFR_ERR_FORMAT, "title: x\ntitle: y\n", "spec.yaml:2:1: title stands twice"},
         {SSFR_ERR_FORMAT, "title: [x]\n", "spec.yaml:1:8: title: expected one value"},
         {SSFR_ERR_FORMAT, "pipeline: {a: b}\n", "spec.yaml:1:11: pipeline: expected one value"},
+        {SSFR_ERR_FORMAT, "variants: a\n", "spec.yaml:1:11: variants: expected a map"},
+        {SSFR_ERR_FORMAT, "variants: {}\n", "spec.yaml:1:11: variants: expected 1 to 64 variants"},
+        {SSFR_ERR_FORMAT, "variants: {a: b}\n", "spec.yaml:1:15: a: expected a map"},
+        {SSFR_ERR_FORMAT, "variants: {a: {backend: gl}}\n",
+         "spec.yaml:1:16: a: no key backend: it has pipeline, scene, camera, frame, size, set"},
+        {SSFR_ERR_FORMAT, "variants: {a: {scene: [b]}}\n", "spec.yaml:1:23: scene: expected one value"},
+        {SSFR_ERR_FORMAT, "variants: {a: {set: b}}\n", "spec.yaml:1:21: set: expected a map"},
+        {SSFR_ERR_VALUE, "variants: {\"\": {}}\n", "variant: value 1 is empty"},
+        {SSFR_ERR_FORMAT, "path: zoom\n", "spec.yaml:1:7: path: expected a map"},
+        {SSFR_ERR_FORMAT, "path: {camera: zoom}\n", "spec.yaml:1:1: path: views must be given"},
+        {SSFR_ERR_VALUE, "path: {views: 0}\n", "spec.yaml:1:15: views: 0 is out of range [1, 10000]"},
+        {SSFR_ERR_VALUE, "path: {views: 1.5}\n", "spec.yaml:1:15: views: 1.5 is not a whole number"},
+        {SSFR_ERR_VALUE, "path: {views: 2, frames: run}\n", "spec.yaml:1:26: frames: \"run\" is none of stand, follow"},
+        {SSFR_ERR_FORMAT, "camera: a\npath: {camera: b, views: 2}\n", "spec.yaml:2:8: camera is varied twice"},
+        {SSFR_ERR_FORMAT, "against: base\n", "spec.yaml:1:10: against: expected a map"},
+        {SSFR_ERR_FORMAT, "against: {}\n", "spec.yaml:1:10: against: expected a map of axes to cells"},
+        {SSFR_ERR_FORMAT, "against: {a: [b]}\n", "spec.yaml:1:14: a: expected one value"},
+        {SSFR_ERR_FORMAT, "added: ref_flip\n", "spec.yaml:1:8: added: expected a list"},
+        {SSFR_ERR_FORMAT, "added: [a, [b]]\n", "spec.yaml:1:12: added: expected one value"},
+        {SSFR_ERR_FORMAT, "added: [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q]\n",
+         "spec.yaml:1:57: added: more than 16 columns"},
         {SSFR_ERR_FORMAT, "scene: {a: b}\n", "spec.yaml:1:8: scene: expected one value"},
         {SSFR_ERR_FORMAT, "scene: []\n", "spec.yaml:1:8: scene: an empty list"},
         {SSFR_ERR_FORMAT, "scene: [[a]]\n", "spec.yaml:1:9: scene: expected one value"},
@@ -485,7 +599,8 @@ static void malformed_sweeps_are_refused_with_their_place(void **state)
         {SSFR_ERR_FORMAT, "published: {on: {a: [b]}}\n", "spec.yaml:1:21: a: expected one value"},
         {SSFR_ERR_FORMAT, "published: {on: [a, b, c, d, e]}\n", "spec.yaml:1:30: on: more than 4 columns"},
         {SSFR_ERR_FORMAT, "quick: less\n", "spec.yaml:1:8: quick: expected a map"},
-        {SSFR_ERR_FORMAT, "quick: {backend: gl}\n", "spec.yaml:1:9: quick: no key backend: it has title, scene, size"},
+        {SSFR_ERR_FORMAT, "quick: {backend: gl}\n",
+         "spec.yaml:1:9: quick: no key backend: it has title, variants, scene"},
         {SSFR_ERR_FORMAT, "quick: {size: []}\n", "spec.yaml:1:15: size: an empty list"},
         {SSFR_ERR_FORMAT, "title: \"a\\0b\"\n", "spec.yaml:1:8: title: a zero byte in the value"},
         {SSFR_ERR_FORMAT, "title: [x\n", "spec.yaml:2:1: did not find expected ',' or ']'"},
@@ -549,6 +664,9 @@ int main(void)
         cmocka_unit_test(a_whole_sweep_is_read),
         cmocka_unit_test(quick_scale_halves_sizes_unless_it_says_them),
         cmocka_unit_test(what_quick_says_replaces_what_is_said_above),
+        cmocka_unit_test(quick_scale_may_have_variants_and_a_path_of_its_own),
+        cmocka_unit_test(what_a_variant_has_counts_for_more_than_the_axis),
+        cmocka_unit_test(a_part_of_the_axes_has_a_product_of_its_own),
         cmocka_unit_test(a_sweep_is_read_from_standard_input),
         cmocka_unit_test(malformed_sweeps_are_refused_with_their_place),
         cmocka_unit_test(a_sweep_cut_at_any_byte_gives_a_sweep_or_an_error),

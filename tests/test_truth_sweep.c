@@ -119,11 +119,11 @@ static void begin(fixture *f, const char *const *axes, const char *const *settin
     for (; *settings; settings++) assert_int_equal(ssfr_sweep_spec_set_text(f->spec, "--set", *settings), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_reference_text(f->spec, "--reference", "truth"), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_complete(f->spec), SSFR_OK);
-    f->options = (ssfr_rig_options){.spec = f->spec, .pipeline = ssfr_pipeline_find("vanderlaan2009"),
-                                    .measure = {.min_runs = 1}, .bandwidth_gl = 2.385e9, .bandwidth_cpu = 2.385e9};
+    f->options = (ssfr_rig_options){.spec = f->spec, .measure = {.min_runs = 1}, .bandwidth_gl = 2.385e9,
+                                    .bandwidth_cpu = 2.385e9};
     ssfr_stage_defaults(&f->options.stage);
     f->options.stage.cache = test_path("cache");
-    assert_int_equal(ssfr_rig_check(f->spec, f->options.pipeline), SSFR_OK);
+    assert_int_equal(ssfr_rig_check(f->spec, &f->options.stage), SSFR_OK);
     assert_int_equal(ssfr_rig_create(&f->rig, &f->options), SSFR_OK);
 }
 
@@ -137,7 +137,9 @@ static void run(const fixture *f, size_t i, double values[SSFR_N_COLUMNS])
 {
     size_t index[SSFR_MAX_AXES];
     ssfr_sweep_spec_run(f->spec, i, index);
-    assert_int_equal(ssfr_rig_run(f->rig, index, values), SSFR_OK);
+    ssfr_rig_row row;
+    assert_int_equal(ssfr_rig_run(f->rig, index, &row), SSFR_OK);
+    memcpy(values, row.values, sizeof row.values);
 }
 
 static const char *const block[] = {"scene=block", "size=64x48", "backend=cpu", NULL};
@@ -340,12 +342,14 @@ static void parameters_of_truth_are_checked_before_anything_runs(void **state)
         {false, SSFR_ERR_UNKNOWN, "truth.kind=spheres", "--vary: truth.kind: only a sweep with `reference: truth`"},
         {false, SSFR_ERR_UNKNOWN, "path.depth=3", "--vary: path.depth: only a sweep with `reference: truth`"},
     };
+    ssfr_stage_options stage;
+    ssfr_stage_defaults(&stage);
     for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
         ssfr_sweep_spec *spec = NULL;
         assert_int_equal(ssfr_sweep_spec_create(&spec), SSFR_OK);
         if (cases[i].truth) assert_int_equal(ssfr_sweep_spec_reference_text(spec, "--reference", "truth"), SSFR_OK);
         assert_int_equal(ssfr_sweep_spec_vary_text(spec, "--vary", cases[i].axis), SSFR_OK);
-        assert_fails(cases[i].code, ssfr_rig_check(spec, ssfr_pipeline_find("vanderlaan2009")), cases[i].message);
+        assert_fails(cases[i].code, ssfr_rig_check(spec, &stage), cases[i].message);
         ssfr_sweep_spec_destroy(&spec);
     }
 }

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* test_inspect.c: what a frame tells by itself: bounds that can be left, hashes of every bit, lists of what was left
+ * out. */
+#include "experiments/inspect.h"
+#include "tests/frames.h"
+
+enum { W = 64, H = 48 };
+
+static const ssfr_bounds bounds = {.nearest = -2, .farthest = -5, .brightest = 1.5};
+
+/* What one value among good ones makes of an image of a slot. */
+static ssfr_inspected with(const char *slot, int c, double good, double value)
+{
+    ssfr_inspected inspected = {true, true};
+    ssfr_field *image = NULL;
+    assert_int_equal(ssfr_field_create(&image, 5, 4, c), SSFR_OK);
+    ssfr_field_fill(image, good);
+    image->data[13] = value;
+    ssfr_inspect_image(&inspected, slot, image, &bounds);
+    ssfr_field_destroy(&image);
+    return inspected;
+}
+
+static void assert_bounded(const char *slot, int c, double good, double value, bool finite, bool bounded)
+{
+    const ssfr_inspected inspected = with(slot, c, good, value);
+    if (inspected.finite != finite || inspected.bounded != bounded)
+        fail_msg("%s with %g: finite %d, bounded %d", slot, value, inspected.finite, inspected.bounded);
+}
+
+static void a_surface_is_where_there_are_particles(void **state)
+{
+    (void)state;
+    static const char *const slots[] = {"fluid_depth", "low_depth", "smooth_depth", "surface_depth", "foam_depth"};
+    for (size_t i = 0; i < SSFR_COUNT(slots); i++) {
+        assert_bounded(slots[i], 1, -3, -2.00001, true, true);
+        assert_bounded(slots[i], 1, -3, -1.99, true, false);
+        assert_bounded(slots[i], 1, -3, -5.00001, true, true);
+        assert_bounded(slots[i], 1, -3, -5.01, true, false);
+        assert_bounded(slots[i], 1, -3, -SSFR_EMPTY, true, true);
+        assert_bounded(slots[i], 1, -3, (float)-SSFR_EMPTY, true, true);
+        assert_bounded(slots[i], 1, -3, NAN, false, false);
+    }
+    assert_bounded("surface_depth", 1, -3, 1, true, false);
+    assert_bounded("surface_depth", 1, -3, -INFINITY, false, true); /* as good as empty, but not finite */
+    assert_bounded("scene_depth", 1, -3, -1e4, true, true);
+}
+
+static void lengths_of_fluid_are_not_negative(void **state)
+{
+    (void)state;
+    static const char *const slots[] = {"thickness", "thickness_back", "thickness_front", "foam_thickness",
+                                        "foam_front"};
+    for (size_t i = 0; i < SSFR_COUNT(slots); i++) {
+        assert_bounded(slots[i], 1, 0.2, 0, true, true);
+        assert_bounded(slots[i], 1, 0.2, 1e9, true, true);
+        assert_bounded(slots[i], 1, 0.2, -1e-9, true, false);
+        assert_bounded(slots[i], 1, 0.2, NAN, false, false);
+        assert_bounded(slots[i], 1, 0.2, INFINITY, false, true);
+    }
+}
+
+static void the_picture_is_within_what_there_is_to_be_seen(void **state)
+{
+    (void)state;
+    assert_bounded("color", 3, 0.5, 1.5, true, true);
+    assert_bounded("color", 3, 0.5, 1.51, true, false);
+    assert_bounded("color", 3, 0.5, 0, true, true);
+    assert_bounded("color", 3, 0.5, -0.001, true, false);
+    assert_bounded("color", 3, 0.5, NAN, false, false);
+    assert_bounded("color", 3, 0.5, INFINITY, false, false);
+    assert_bounded("normal", 3, 0.5, -1, true, true);
+    assert_bounded("normal", 3, 0.5, NAN, false, false);
+}
+
+static void bounds_are_those_of_particles_parameters_and_scene(void **state)
+{
+    (void)state;
+    static const double places[] = {0, 0, 0, 0.3, 0.1, -1.5, 0, 0.2, 0.75};
+    test_scene s;
+    test_scene_create(&s, 3, places, 0.1);
+    test_scene_look(&s, (const double[3]){0, 0, 2}, (const double[3]){0, 0, 0}, 45, W, H);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), NULL);
+    test_graph_set(graph, (const char *[]){"noise_foam.color_g=0.5", "composite.specular=0.25", NULL});
+    ssfr_field *behind = NULL;
+    assert_int_equal(ssfr_field_create(&behind, 2, 2, 3), SSFR_OK);
+    ssfr_bounds b = ssfr_inspect_bounds(graph, &s.scene, behind);
+    assert_close(b.nearest, -1.25 + 0.1, 1e-6, 0);
+    assert_close(b.farthest, -3.5 - 0.1, 1e-6, 0);
+    assert_close(b.brightest, 1 + 0.5 + 0.25, 1e-12, 0);
+    test_graph_set(graph, (const char *[]){"sphere_depth.radius_scale=2", "light.intensity=3", NULL});
+    b = ssfr_inspect_bounds(graph, &s.scene, behind);
+    assert_close(b.nearest, -1.25 + 0.2, 1e-6, 0);
+    assert_close(b.brightest, 3 + 3 * (0.5 + 0.25), 1e-12, 0);
+    test_graph_set(graph, (const char *[]){"sky.zenith_b=7", "medium.color_r=5", NULL});
+    assert_close(ssfr_inspect_bounds(graph, &s.scene, behind).brightest, 7 + 3 * 0.75, 1e-12, 0);
+    behind->data[7] = 11;
+    assert_close(ssfr_inspect_bounds(graph, &s.scene, behind).brightest, 11 + 3 * 0.75, 1e-12, 0);
+    s.scene.environment = behind;
+    assert_close(ssfr_inspect_bounds(graph, &s.scene, NULL).brightest, 11 + 3 * 0.75, 1e-12, 0);
+    ssfr_field_destroy(&behind);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+static void without_particles_no_surface_is_bounded(void **state)
+{
+    (void)state;
+    test_scene s;
+    test_scene_create(&s, 0, NULL, 0.1);
+    test_scene_look(&s, (const double[3]){0, 0, 2}, (const double[3]){0, 0, 0}, 45, W, H);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), NULL);
+    for (int k = 0; k < 2; k++) {
+        const ssfr_bounds b = ssfr_inspect_bounds(graph, &s.scene, NULL);
+        assert_true(b.farthest > b.nearest);
+        s.scene.particles = NULL;
+    }
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+/* On both backends, with all pipelines; and what is asked for afterwards is what was asked for before. */
+static void usual_frames_are_finite_and_bounded(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    test_scene_create_usual(&s, W, H);
+    for (int p = 0; ssfr_pipeline_at(p); p++)
+        for (int keep_all = 0; keep_all < 2; keep_all++) {
+            ssfr_graph *graph = test_graph(ssfr_pipeline_at(p), gl);
+            ssfr_inspected inspected;
+            assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+            const ssfr_report *report = ssfr_graph_report(graph);
+            char before[256], after[256];
+            ssfr_inspect_left_out(report->n_nodes, report->nodes, before, sizeof before);
+            assert_int_equal(ssfr_inspect_frame(&inspected, graph, &s.scene, keep_all), SSFR_OK);
+            assert_true(inspected.finite && inspected.bounded);
+            assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+            ssfr_inspect_left_out(report->n_nodes, report->nodes, after, sizeof after);
+            assert_string_equal(before, after);
+            ssfr_graph_destroy(&graph);
+        }
+    test_scene_destroy(&s);
+}
+
+static void a_frame_that_cannot_run_is_an_error(void **state)
+{
+    (void)state;
+    test_scene s;
+    ssfr_inspected inspected;
+    ssfr_field *image = NULL;
+    test_scene_create_usual(&s, W, H);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), NULL);
+    assert_int_equal(ssfr_field_create(&image, 5, 7, 3), SSFR_OK);
+    assert_int_equal(ssfr_graph_import(graph, "scene_color", image), SSFR_OK);
+    assert_fails(SSFR_ERR_VALUE, ssfr_inspect_frame(&inspected, graph, &s.scene, false), "scene_color");
+    ssfr_field_destroy(&image);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
+static void every_bit_counts_in_a_hash(void **state)
+{
+    (void)state;
+    ssfr_field *image = NULL;
+    char a[17], b[17];
+    assert_int_equal(ssfr_field_create(&image, 3, 2, 3), SSFR_OK);
+    ssfr_inspect_hash(image, a);
+    assert_int_equal(strspn(a, "0123456789abcdef"), 16);
+    image->data[17] = -0.0;
+    ssfr_inspect_hash(image, b);
+    assert_string_not_equal(a, b);
+    image->data[17] = 0;
+    ssfr_inspect_hash(image, b);
+    assert_string_equal(a, b);
+    image->data[0] = nextafter(0, 1);
+    ssfr_inspect_hash(image, b);
+    assert_string_not_equal(a, b);
+    ssfr_field_destroy(&image);
+}
+
+static void what_was_left_out_is_listed_with_how(void **state)
+{
+    (void)state;
+    static const ssfr_node_report reports[] = {{.node = "depth", .status = SSFR_RAN},
+                                               {.node = "noise", .status = SSFR_UNWANTED},
+                                               {.node = "foam", .status = SSFR_NEEDLESS},
+                                               {.node = "normals", .status = SSFR_OFF},
+                                               {.node = "scene", .status = SSFR_GIVEN}};
+    char text[64], little[12];
+    ssfr_inspect_left_out(5, reports, text, sizeof text);
+    assert_string_equal(text, "noise unwanted;foam needless;normals off;scene given");
+    ssfr_inspect_left_out(5, reports, little, sizeof little);
+    assert_string_equal(little, "noise unwan");
+    ssfr_inspect_left_out(1, reports, text, sizeof text);
+    assert_string_equal(text, "");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_surface_is_where_there_are_particles),
+        cmocka_unit_test(lengths_of_fluid_are_not_negative),
+        cmocka_unit_test(the_picture_is_within_what_there_is_to_be_seen),
+        cmocka_unit_test(bounds_are_those_of_particles_parameters_and_scene),
+        cmocka_unit_test(without_particles_no_surface_is_bounded),
+        ON_BOTH(usual_frames_are_finite_and_bounded),
+        cmocka_unit_test(a_frame_that_cannot_run_is_an_error),
+        cmocka_unit_test(every_bit_counts_in_a_hash),
+        cmocka_unit_test(what_was_left_out_is_listed_with_how),
+    };
+    return cmocka_run_group_tests(tests, test_capture_log, test_shared_gl_destroy);
+}
