@@ -452,14 +452,14 @@ static void fluid_that_is_given_may_be_anywhere(void **state)
     prepare(&frame, &s.scene, 1, false);
     assert_false(frame.facts.fluid);
     assert_true(frame.facts.mean == s.scene.camera.near);
-    ssfr_frame_assume_fluid(&frame, 2.385, 4);
-    ssfr_frame_assume_fluid(&frame, 1, 1);
+    ssfr_frame_assume_fluid(&frame, 2.385, 4, 5);
+    ssfr_frame_assume_fluid(&frame, 1, 1, 1);
     assert_true(frame.facts.fluid && frame.facts.nearest == 2.385 && frame.facts.mean == 4);
     assert_int_equal(frame.facts.n_tiles, 10 * 7);
     assert_true(frame.facts.covered == 1);
     assert_int_equal(frame.facts.n_particles, 0);
     prepare(&frame, &s.scene, 1, false);
-    ssfr_frame_assume_fluid(&frame, 0, 0);
+    ssfr_frame_assume_fluid(&frame, 0, 0, 0);
     assert_true(frame.facts.nearest == s.scene.camera.near && frame.facts.mean == s.scene.camera.near);
     ssfr_frame_finish(&frame);
     test_scene_destroy(&s);

@@ -19,7 +19,8 @@ ssfr_slot_id ssfr_slot_find(const char *name)
 
 bool ssfr_slot_is_fluid(ssfr_slot_id slot)
 {
-    return fabs(ssfr_slots[slot].neutral) == SSFR_EMPTY && slot != SSFR_SLOT_scene_depth;
+    const bool depth = ssfr_slots[slot].kind == SSFR_IMAGE && fabs(ssfr_slots[slot].neutral) == SSFR_EMPTY;
+    return depth && slot != SSFR_SLOT_scene_depth;
 }
 
 const char *ssfr_slot_channels(const char *slot)
