@@ -136,6 +136,11 @@ static const char *const variants[][5] = {
     {"layer_thickness.splat=exact", "layer_thickness.layers=fragment", "layer_thickness.storage=half", NULL},
     {"layer_thickness.radius_scale=3", "layer_thickness.kernel=exponential", "layer_thickness.occlusion=clipped", NULL},
     {"layer_thickness.splat=quad", "layer_thickness.as_printed=B14,B36", "layer_composite.as_printed=B11", NULL},
+    {"shadow.kind=map", NULL},
+    {"shadow.kind=ray", NULL},
+    {"shadow_map.off=1", NULL},
+    {"shadow.kind=map", "shadow_map.off=1", NULL},
+    {"light.elevation_deg=-30", "shadow_basis.terms=16", NULL},
 };
 
 /* Pipelines that lack a parameter run without it; whether there are all. */

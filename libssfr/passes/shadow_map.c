@@ -9,7 +9,7 @@ typedef struct shadow_map_params {
 } shadow_map_params;
 
 static const ssfr_param rows[] = {
-    SSFR_PARAM_INT(shadow_map_params, size, "px", 1024, 1, 4096, "side of the light's square"),
+    SSFR_PARAM_INT(shadow_map_params, size, "px", 512, 1, 4096, "side of the light's square"),
     SSFR_PARAM_END,
 };
 
