@@ -37,8 +37,18 @@ float mean_depth(sampler2D t, ivec2 p)
     return n > 0 ? sum / float(n) : -EMPTY;
 }
 
-// A place in the light's view, in texels of a square of this side; beyond its border, the border.
-vec2 texel_of(vec2 at, int side) { return clamp((at - u_corner) / u_extent, 0.0, 1.0) * float(side); }
+// A place in the light's view, as a share of its square.
+vec2 share_of(vec2 at) { return (at - u_corner) / u_extent; }
+
+// Beyond its border no fluid is, or no caster.
+bool is_within(vec2 share) { return all(greaterThanEqual(share, vec2(0))) && all(lessThanEqual(share, vec2(1))); }
+
+float nearest_caster(vec2 at)
+{
+    vec2 share = share_of(at);
+    ivec2 p = ivec2(share * float(textureSize(t_light_depth, 0).x));
+    return is_within(share) ? fetch(t_light_depth, p).x : -EMPTY;
+}
 
 // Image i of the basis, between its four texels around q.
 vec4 basis_at(int i, int side, vec2 q)
@@ -57,7 +67,8 @@ float convolved(vec3 at)
     int images = max(size.y / size.x, 1);
     float span = 1.0 - 0.5 / float(max(2 * images - 2, 1)); // ssfr_shadow_span
     float d = clamp((u_top - at.z) / u_range, 0.0, 1.0) * span, share = 0.0, sum = 0.0;
-    vec2 q = texel_of(at.xy, size.x);
+    vec2 place = share_of(at.xy), q = place * float(size.x);
+    if (!is_within(place)) return 1.0;
     for (int i = 0; i < images; i++) {
         vec4 v = basis_at(i, size.x, q);
         for (int k = 0; k < 4; k++) {
@@ -74,9 +85,7 @@ float light_at(vec3 at)
 {
     if (u_night != 0) return 0.0;
     if (u_kind == 1) return convolved(at);
-    float caster;
-    if (u_kind == 0) caster = fetch(t_light_depth, ivec2(texel_of(at.xy, textureSize(t_light_depth, 0).x))).x;
-    else caster = first_caster(at.xy);
+    float caster = u_kind == 2 ? first_caster(at.xy) : nearest_caster(at.xy);
     return caster > at.z ? 0.0 : 1.0;
 }
 

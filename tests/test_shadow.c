@@ -122,8 +122,8 @@ static void the_shadow_of_a_ball_is_its_ellipse(void **state)
                     assert_true(v >= 0 && v <= 1);
                     if (fabs(in) < edge(t, kind)) continue;
                     n += in > 0;
-                    /* Of the series something is left below a caster, and nothing beside it. */
-                    assert_close(v, in < 0, kind == 1 ? in > 0 ? 0.1 : 1e-6 : 0, 0);
+                    /* Beside a caster nothing is taken; below it, twice what the series swings by, 0.09 (Gibbs). */
+                    assert_close(v, in < 0, kind == 1 ? in > 0 ? 0.18 : 1e-6 : 0, 0);
                 }
             assert_true(n > 100);
         }
@@ -178,7 +178,7 @@ static void a_million_metres_away_shadows_are_the_same(void **state)
             for (int x = 0; x < W; x++) {
                 const double in = inside(t, depth, &lights[0], x, y);
                 if (fabs(in) < edge(t, kind) + 1e-6) continue;
-                assert_close(*ssfr_field_at(light, x, y), in < 0, kind == 1 ? 0.1 : 0, 0);
+                assert_close(*ssfr_field_at(light, x, y), in < 0, kind == 1 ? 0.18 : 0, 0);
                 n += in > 0;
             }
         assert_true(n > 100);
@@ -271,7 +271,7 @@ static void where_no_caster_is_all_light_arrives_to_the_bit(void **state)
 
 /* ---- where the fluid is ------------------------------------------------------------------------------------------ */
 
-/* Half of the light's square, in the image's left half, is covered 1 m from the eye: fluid is lit above that. */
+/* Casters everywhere 1 m before the eye, and the light along the view: fluid before them is lit. */
 static test_twin *begin_cover(void **state)
 {
     test_twin *t = begin(state);
@@ -341,7 +341,7 @@ static void depths_that_are_no_numbers_do_not_count(void **state)
     for (int k = 0; k < W * H; k++) assert_true(light->data[k] == 0);
 }
 
-static void huge_depths_read_the_border(void **state)
+static void however_far_the_fluid_is_its_light_is_a_share(void **state)
 {
     for (int kind = 0; kind < 3; kind++) {
         test_twin *t = begin(state);
@@ -445,7 +445,7 @@ int main(void)
         TEST_TWINS(foam_says_where_the_fluid_is_without_water),
         TEST_TWINS(without_water_and_foam_all_light_arrives),
         TEST_TWINS(depths_that_are_no_numbers_do_not_count),
-        TEST_TWINS(huge_depths_read_the_border),
+        TEST_TWINS(however_far_the_fluid_is_its_light_is_a_share),
         TEST_TWINS(only_the_maps_of_a_kind_are_made),
         TEST_TWINS(without_casters_nothing_is_done),
         TEST_TWINS(without_its_maps_nothing_is_in_shadow),

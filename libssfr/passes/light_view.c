@@ -76,7 +76,7 @@ static void fit(ssfr_light_view *view, const ssfr_frame *frame, const box *all)
 
 ssfr_light_view ssfr_light_view_of(const ssfr_frame *frame)
 {
-    ssfr_light_view view = {.extent = 1, .range = 1};
+    ssfr_light_view view = {.corner = {-2, -2}, .extent = 4, .range = 1}; /* m, without casters: any */
     box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     memcpy(view.x, frame->light_axis[0], sizeof view.x);
     memcpy(view.y, frame->light_axis[1], sizeof view.y);

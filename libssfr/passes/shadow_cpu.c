@@ -46,17 +46,24 @@ static void place_in_light(const ssfr_run *run, int x, int y, double z, double o
 
 /* ---- what the light meets ------------------------------------------------------------------------------------------ */
 
-/* A place in the light's view, in texels of a square of this side; beyond its border, the border. */
-static void texel_of(const ssfr_light_view *view, const double at[2], int side, double out[2])
+/* A place in the light's view, in texels of a square of this side. False beyond its border: no fluid is there, or no
+ * caster. */
+static bool texel_of(const ssfr_light_view *view, const double at[2], int side, double out[2])
 {
-    for (int k = 0; k < 2; k++) out[k] = ssfr_clamp((at[k] - view->corner[k]) / view->extent, 0, 1) * side;
+    bool within = true;
+    for (int k = 0; k < 2; k++) {
+        const double share = (at[k] - view->corner[k]) / view->extent;
+        within &= share >= 0 && share <= 1;
+        out[k] = share * side;
+    }
+    return within;
 }
 
 static double nearest_caster(const ssfr_run *run, const double at[2])
 {
     const ssfr_field *map = run->in[SSFR_SHADOW_LIGHT_DEPTH];
     double q[2];
-    texel_of(&((const ssfr_shadow_coeffs *)run->coeffs)->view, at, map->w, q);
+    if (!texel_of(&((const ssfr_shadow_coeffs *)run->coeffs)->view, at, map->w, q)) return -SSFR_EMPTY;
     return *ssfr_field_fetch(map, (int)floor(q[0]), (int)floor(q[1]));
 }
 
@@ -79,7 +86,7 @@ static double convolved(const ssfr_run *run, const double at[3])
     const int n_images = ssfr_max_int(basis->h / basis->w, 1);
     const double d = ssfr_clamp((c->view.top - at[2]) / c->view.range, 0, 1) * ssfr_shadow_span(n_images);
     double q[2], share = 0, sum = 0;
-    texel_of(&c->view, at, basis->w, q);
+    if (!texel_of(&c->view, at, basis->w, q)) return 1;
     for (int i = 0; i < n_images; i++) {
         double v[4];
         basis_at(basis, i, q, v);
