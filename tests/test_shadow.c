@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_shadow.c: the shadows of balls on sheets of fluid against their ellipses, the series against its closed form,
  * where the fluid is taken to be, and what is left out. */
+#include "tests/frames.h"
 #include "tests/pass_util.h"
 
+#include "graph/twins.h"
 #include "passes/shadow_basis.h"
 
 static const ssfr_pipeline shadows = {
@@ -422,6 +424,34 @@ static void a_plane_before_the_light_takes_all_of_it(void **state)
     }
 }
 
+/* ---- twins ------------------------------------------------------------------------------------------------------- */
+
+static void the_twins_agree_with_solids_of_all_shapes(void **state)
+{
+    static const struct {
+        const char *pass, *setting;
+    } cases[] = {{"shadow_map", "size=200"}, {"shadow_basis", "terms=5"},       {"shadow", "kind=map"},
+                 {"shadow", "kind=ray"},     {"shadow", "kind=convolution"}};
+    test_scene s;
+    test_scene_create_usual(&s, 90, 60);
+    test_scene_add_shapes(&s);
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_twins_row row[SSFR_MAX_OUTPUTS] = {0};
+        const char *const settings[] = {cases[i].setting, NULL};
+        double least = INFINITY, most = -INFINITY;
+        int n = 0;
+        assert_int_equal(ssfr_twins_compare(ssfr_pass_find(cases[i].pass), &s.scene,
+                                            test_twin_create(state, "shadow", 8, 8)->gl, settings, row, &n), SSFR_OK);
+        assert_int_equal(n, 1);
+        if (!row[0].ok) fail_msg("%s: outside %g of the values", cases[i].setting, row[0].outliers);
+        for (int k = 0; k < row[0].reference->w * row[0].reference->h; k++)
+            least = fmin(least, row[0].reference->data[k]), most = fmax(most, row[0].reference->data[k]);
+        assert_true(least < most);
+        ssfr_twins_finish(row, n);
+    }
+    test_scene_destroy(&s);
+}
+
 static void parameters_out_of_range_are_refused(void **state)
 {
     test_twin *t = begin(state);
@@ -450,6 +480,7 @@ int main(void)
         TEST_TWINS(without_casters_nothing_is_done),
         TEST_TWINS(without_its_maps_nothing_is_in_shadow),
         TEST_TWINS(a_plane_before_the_light_takes_all_of_it),
+        TEST_GPU(the_twins_agree_with_solids_of_all_shapes),
         TEST_TWINS(parameters_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

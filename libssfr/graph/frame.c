@@ -378,6 +378,8 @@ static double mean_distance(const ssfr_frame *frame, double otherwise)
 static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
 {
     ssfr_facts *facts = &frame->facts;
+    /* The same for a pass by itself as in its pipeline, where others may draw wider splats. */
+    const double around = fmax(reach, SSFR_SUPPORT) * frame->radius;
     double nearest = INFINITY;
     int lo[2], hi[2];
     facts->n_particles = facts->n_packets = 0;
@@ -388,11 +390,11 @@ static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
         const bounds b = packet_bounds(frame, i, reach * frame->radius);
         const bool visible = box_pixels(frame, &b, frame->near, lo, hi);
         if (visible) nearest = fmin(nearest, -b.centre[2] - b.half[2]);
-        if (visible) add_lit(frame, b.centre, frame->particles->packets[i].half, reach * frame->radius);
+        if (visible) add_lit(frame, b.centre, frame->particles->packets[i].half, around);
         if (visible && !keep_all) mark_packet(frame, i, reach * frame->radius, lo, hi);
         if (visible || keep_all) add_packet(frame, i);
     }
-    facts->fluid = nearest < INFINITY;
+    facts->fluid = facts->seen = nearest < INFINITY;
     facts->nearest = fmax(nearest, frame->near);
     facts->mean = fmax(mean_distance(frame, facts->fluid ? facts->nearest : 0), frame->near);
     list_tiles(facts);
@@ -413,7 +415,7 @@ void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean, dou
     }
     facts->fluid = true;
     take_all_tiles(facts);
-    add_lit_view(frame, fmax(nearest, frame->near), farthest > 0 ? farthest : frame->scene->camera.far);
+    if (!facts->seen) add_lit_view(frame, fmax(nearest, frame->near), farthest > 0 ? farthest : frame->scene->camera.far);
 }
 
 /* ---- preparing --------------------------------------------------------------------------------------------------- */
@@ -592,6 +594,7 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     frame->facts.n_ranges = n > 0;
     if (n) frame->facts.first[0] = 0, frame->facts.count[0] = (int)n;
     frame->facts.fluid = n > 0;
+    frame->facts.seen = false;
     frame->facts.nearest = frame->facts.mean = frame->near;
     forget_lit(&frame->facts);
     if (n) add_lit_view(frame, frame->near, scene->camera.far);

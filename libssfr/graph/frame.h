@@ -74,6 +74,7 @@ typedef struct ssfr_facts {
     size_t n_particles;   /* in packets that touch the view */
     size_t n_packets;     /* that touch the view */
     bool fluid;           /* false: nothing in view is fluid, for there is no particle and no depth of it is given */
+    bool seen;            /* particles in view say where the fluid is */
     double nearest;       /* m, no particle's surface in view is nearer to the eye plane; >= the camera's near */
     double mean;          /* m, mean distance of the particles in view from the eye plane; >= near */
     double lit_lo[3], lit_hi[3]; /* m, from the eye along light_axis: fluid in view is between; lo > hi: there is none, or

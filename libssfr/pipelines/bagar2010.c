@@ -5,7 +5,7 @@
 
 const ssfr_pipeline ssfr_pipeline_bagar2010 = {
     .name = "bagar2010",
-    .source = "Bagar 2010, secs 3.1, 3.2.1, 3.2.3, 4.2, 4.6, 4.7 and 4.9.5",
+    .source = "Bagar 2010, secs 3.1, 3.2.1, 3.2.3, 4.2, 4.6, 4.7, 4.9.4 and 4.9.5",
     .help = "screen-space fluid rendering with adaptive curvature flow, in layers; the foam is to come",
     .result = SSFR_SLOT_color,
     .nodes = {
