@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// shadow.frag: the share of the light that arrives at water and foam past the solids (Bagar 2010, listing A.22; Annen et
-// al. 2007). in: surface and foam depth (m, eye space), light depth (m, along the light) or its basis; out: [0, 1].
+// shadow.frag: the share of the light that arrives at water and foam past the solids (Bagar 2010, listing A.22; Annen
+// et al. 2007). in: surface and foam depth (m, eye space), light depth (m, along the light) or its basis; out: [0, 1].
 #include "common.glsl"
 #include "environment.glsl"
 #include "light_view.glsl"
@@ -20,7 +20,7 @@ uniform float u_divisor; // full-resolution pixels a pixel
 
 layout(location = 0) out float o_light;
 
-const float TURN = 3.14159265358979;
+const float HALF_TURN = 3.14159265358979;
 
 // The mean of the depths around a pixel that are a surface; empty where none is.
 float mean_depth(sampler2D t, ivec2 p)
@@ -73,7 +73,7 @@ float convolved(vec3 at)
         vec4 v = basis_at(i, size.x, q);
         for (int k = 0; k < 4; k++) {
             int value = 4 * i + k;
-            float angle = TURN * float(2 * ((value + 1) / 2) - 1) * d;
+            float angle = HALF_TURN * float(2 * ((value + 1) / 2) - 1) * d;
             if (value == 0) share = v[k];
             else sum += value % 2 == 1 ? -sin(angle) * v[k] : cos(angle) * v[k];
         }

@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// shadow_basis.frag: cosines and sines of a shadow map's depths (Annen et al. 2007), images of four values one below the
-// other; then their means along one axis. in: light depth (m), or with BOX, the axis, what is to be filtered.
+// shadow_basis.frag: cosines and sines of a shadow map's depths (Annen et al. 2007), images of four values one below
+// the other; then their means along one axis. in: light depth (m), or with BOX, the axis, what is to be filtered.
 #include "common.glsl"
 #include "light_view.glsl"
 

@@ -1,6 +1,6 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// shadow_map.frag: where the light meets solids first. out: m from the eye towards the light; empty where it meets none.
+// shadow_map.frag: where the light meets solids first. out: m from the eye towards the light; empty for none.
 #include "common.glsl"
 #include "environment.glsl"
 #include "light_view.glsl"

@@ -476,7 +476,8 @@ static double beyond(const ssfr_frame *frame, double radius)
         double eye[3], world_at[3];
         ssfr_frame_eye(frame, i, eye);
         for (int k = 0; k < 3; k++)
-            world_at[k] = eye[0] * frame->rotation[0][k] + eye[1] * frame->rotation[1][k] + eye[2] * frame->rotation[2][k];
+            world_at[k] = eye[0] * frame->rotation[0][k] + eye[1] * frame->rotation[1][k] +
+                          eye[2] * frame->rotation[2][k];
         for (int k = 0; k < 3; k++) {
             const double at = ssfr_dot(frame->light_axis[k], world_at);
             most = fmax(most, fmax(at + radius - f->lit_hi[k], f->lit_lo[k] - at + radius));

@@ -46,7 +46,8 @@ static ssfr_field *draw(const test_twin *t, const sheet *s)
 {
     ssfr_field *depth = test_field(W, H, 1);
     for (int y = 0; y < H; y++)
-        for (int x = 0; x < W; x++) *ssfr_field_at(depth, x, y) = test_plane(s->z0, s->sx, s->sy, test_ray_at(t, x, y, 1));
+        for (int x = 0; x < W; x++)
+            *ssfr_field_at(depth, x, y) = test_plane(s->z0, s->sx, s->sy, test_ray_at(t, x, y, 1));
     return depth;
 }
 
@@ -67,7 +68,7 @@ static void place_ball(test_twin *t, const double centre[3])
     t->scene.n_solids = 1;
 }
 
-/* A sheet that faces the light as much as the eye, and a ball that far from the point of it that is seen in the middle. */
+/* A sheet that faces the light as much as the eye, and a ball that far from the place that is seen in the middle. */
 static ssfr_field *begin_ball(test_twin *t, const light *l, double away, sheet *s)
 {
     double to[3], n[3], centre[3];
@@ -100,8 +101,8 @@ static double texel(void)
     return 2 * ball_radius * 64 / 61 * 1.19 / MAP;
 }
 
-/* How near to its edge a shadow of a kind may be wrong, m, beside rounding: by half the diagonal of a texel, or by that of
- * a box of five with one more that lies between two. */
+/* How near to its edge a shadow of a kind may be wrong, m, beside rounding: by half the diagonal of a texel, or by that
+ * of a box of five with one more that lies between two. */
 static double edge(const test_twin *t, int kind)
 {
     const double rim[] = {0.75 * texel(), 5 * texel(), 0};

@@ -141,7 +141,8 @@ static void the_filter_is_the_mean_of_the_box(void **state)
                 for (int v = y - radius; v <= y + radius; v++)
                     for (int u = x - radius; u <= x + radius; u++)
                         sum += value_at(plain, side, ssfr_clamp_int(u, 0, side - 1), ssfr_clamp_int(v, 0, side - 1), i);
-                assert_close(value_at(filtered, side, x, y, i), sum / ssfr_square(2 * radius + 1), 10 * epsilon(state), 0);
+                assert_close(value_at(filtered, side, x, y, i), sum / ssfr_square(2 * radius + 1),
+                             10 * epsilon(state), 0);
             }
 }
 

@@ -11,7 +11,8 @@ typedef struct light {
 } light;
 
 /* Also straight down and up, level, along an axis, and along the view. */
-static const light lights[] = {{125, 40}, {0, 90}, {0, -90}, {0, 0}, {90, 0}, {-90, 0}, {180, 0}, {37, -25}, {90, 89.9}};
+static const light lights[] = {{125, 40}, {0, 90}, {0, -90}, {0, 0}, {90, 0}, {-90, 0}, {180, 0}, {37, -25},
+                               {90, 89.9}};
 
 static void towards(const light *l, double out[3])
 {
@@ -85,7 +86,8 @@ static double error(const ssfr_field *map, const ssfr_light_view *view, const do
             assert_int_equal(ssfr_is_surface(z), rho < ball_radius);
             *n += rho < ball_radius;
             if (rho < ball_radius)
-                largest = fmax(largest, fabs(z - ssfr_dot(centre, view->to) - sqrt(ball_radius * ball_radius - rho * rho)));
+                largest = fmax(largest, fabs(z - ssfr_dot(centre, view->to) -
+                                             sqrt(ball_radius * ball_radius - rho * rho)));
         }
     return largest;
 }
@@ -176,7 +178,8 @@ static void a_plane_casts_shadows_only_with_the_light_behind_it(void **state)
         test_twin *t = begin(state, &lights[i], 2.385);
         double to[3];
         towards(&lights[i], to);
-        solids[0] = (ssfr_solid){.shape = SSFR_PLANE, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .centre = {7, -2, 1e5}};
+        solids[0] = (ssfr_solid){.shape = SSFR_PLANE, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                 .centre = {7, -2, 1e5}};
         const ssfr_light_view view = view_of(t, &lights[i]);
         assert_int_equal(view.n_casters, 0);
         assert_int_equal(view.night, to[1] < -1e-12);
@@ -233,7 +236,8 @@ static void a_map_is_no_image_of_the_view(void **state)
 {
     (void)state;
     static const ssfr_pipeline wrong = {
-        .name = "wrong", .result = SSFR_SLOT_normal, .nodes = {{"normals", .ports = {{"depth", SSFR_SLOT_light_depth}}}}};
+        .name = "wrong", .result = SSFR_SLOT_normal,
+        .nodes = {{"normals", .ports = {{"depth", SSFR_SLOT_light_depth}}}}};
     ssfr_graph *graph;
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_create(&graph, &wrong, NULL),
                  "normals: port depth carries images, slot light_depth maps");

@@ -161,7 +161,7 @@ static void fill_block(ssfr_block *block, const ssfr_scene *scene, const ssfr_wo
     set4(block->map, map ? map->w : 0, map ? map->h : 0, 0, 0);
 }
 
-/* ---- the light ---------------------------------------------------------------------------------------------------- */
+/* ---- the light --------------------------------------------------------------------------------------------------- */
 
 /* From the level axis that is least along the light, so that none is degenerate. */
 static void set_light_axes(ssfr_frame *frame)
@@ -415,7 +415,8 @@ void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean, dou
     }
     facts->fluid = true;
     take_all_tiles(facts);
-    if (!facts->seen) add_lit_view(frame, fmax(nearest, frame->near), farthest > 0 ? farthest : frame->scene->camera.far);
+    if (!facts->seen)
+        add_lit_view(frame, fmax(nearest, frame->near), farthest > 0 ? farthest : frame->scene->camera.far);
 }
 
 /* ---- preparing --------------------------------------------------------------------------------------------------- */

@@ -77,8 +77,8 @@ typedef struct ssfr_facts {
     bool seen;            /* particles in view say where the fluid is */
     double nearest;       /* m, no particle's surface in view is nearer to the eye plane; >= the camera's near */
     double mean;          /* m, mean distance of the particles in view from the eye plane; >= near */
-    double lit_lo[3], lit_hi[3]; /* m, from the eye along light_axis: fluid in view is between; lo > hi: there is none, or
-                                  * no solid to cast a shadow on it */
+    /* m, from the eye along light_axis: fluid in view is between; lo > hi: there is none, or no solid */
+    double lit_lo[3], lit_hi[3];
     int n_ranges;         /* runs of consecutive visible particles */
     int *first, *count;   /* of each run, in particles */
     int tiles_x, tiles_y; /* the image in tiles */
@@ -128,8 +128,8 @@ SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scen
                                               long *grew);
 /* Some of the host's positions, spread evenly: the mean distance of those in view stands for that of all. */
 void ssfr_frame_sample_host(ssfr_frame *frame, size_t n, const float (*positions)[3]);
-/* There may be fluid in every tile, between these distances (m); 0: not known. Where no particle in view says how far it
- * is, these do. */
+/* There may be fluid in every tile, between these distances (m); 0: not known. Where no particle in view says how far
+ * it is, these do. */
 void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean, double farthest);
 void ssfr_frame_finish(ssfr_frame *frame);
 

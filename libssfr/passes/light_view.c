@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* light_view.c: fitting the light's square to the fluid in view and to the solids before it, and rays along the light. */
+/* light_view.c: fitting the light's square to fluid in view and to the solids before it, and rays along the light. */
 #include "passes/light_view.h"
 
 #include "passes/environment.h"
@@ -9,7 +9,7 @@ typedef struct box {
     double lo[3], hi[3];
 } box;
 
-/* ---- who casts ----------------------------------------------------------------------------------------------------- */
+/* ---- who casts --------------------------------------------------------------------------------------------------- */
 
 static box solid_box(const ssfr_frame *frame, int i)
 {
@@ -48,11 +48,10 @@ static void add_caster(ssfr_light_view *view, const ssfr_frame *frame, int i, bo
     }
 }
 
-/* ---- the square ---------------------------------------------------------------------------------------------------- */
+/* ---- the square -------------------------------------------------------------------------------------------------- */
 
-/* In cells, an integer of which the corner stands at, in the world: texels stay where they are while the view moves, as
- * long as they are as large, and a power of two of them is a cell. The margin is a cell all around, and one for the
- * rounding. */
+/* The corner stands on a lattice of cells in the world, and a power of two of texels is a cell: texels stay where they
+ * are while the view moves, as long as they are as large. The margin is a cell on both sides, and one for rounding. */
 enum { CELLS = 64, MARGIN = 3 };
 
 /* Up to a quarter of a power of two: sizes seldom change. */
@@ -97,7 +96,7 @@ bool ssfr_light_view_has_shadow(const ssfr_run *run)
     return run->frame->facts.fluid && (view.n_casters > 0 || view.night);
 }
 
-/* ---- rays ---------------------------------------------------------------------------------------------------------- */
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
 
 double ssfr_light_view_first(const ssfr_frame *frame, const ssfr_light_view *view, double x, double y)
 {

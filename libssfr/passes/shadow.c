@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* shadow.c: the share of the light that arrives at water and foam, past the solids (Bagar 2010, listing A.22). Where the
- * fluid is, is the mean of the depths of water around a pixel, or of foam where there is no water. */
+/* shadow.c: the share of the light that arrives at water and foam, past the solids (Bagar 2010, listing A.22).
+ * Where the fluid is, is the mean of the depths of water around a pixel, or of foam where there is no water. */
 #include "passes/shadow.h"
 
 #include "graph/draw.h"
@@ -18,8 +18,8 @@ static const char *const averages[] = {"none", "3x3", NULL};
  * the light through in the series; twice that is all of it. */
 static const ssfr_param rows[] = {
     SSFR_PARAM_CHOICE(shadow_params, kind, kinds, SSFR_SHADOW_CONVOLUTION,
-                      "map: the shadow map's nearest texel; convolution: Annen et al. 2007, as the paper has it; ray: a "
-                      "ray to the light, exact"),
+                      "map: the shadow map's nearest texel; convolution: Annen et al. 2007, as the paper has it; ray: "
+                      "a ray along the light, exact"),
     SSFR_PARAM_CHOICE(shadow_params, average, averages, 1,
                       "the pixel's own depth, or the mean of the 3x3 around it as listing A.22 has it"),
     SSFR_PARAM_FLAG(shadow_params, foam, 1, "where there is no water the fluid is where the foam is, as listing A.22"),
@@ -55,8 +55,8 @@ static void derive(const ssfr_run *run, void *coeffs)
 {
     const shadow_params *p = run->params;
     *(ssfr_shadow_coeffs *)coeffs = (ssfr_shadow_coeffs){
-        .view = ssfr_light_view_of(run->frame), .bias = p->bias * run->frame->radius, .scale = p->scale, .divisor = run->divisor,
-        .kind = p->kind, .around = p->average, .foam = p->foam};
+        .view = ssfr_light_view_of(run->frame), .bias = p->bias * run->frame->radius, .scale = p->scale,
+        .divisor = run->divisor, .kind = p->kind, .around = p->average, .foam = p->foam};
 }
 
 /* Rays alone need solids. */

@@ -70,7 +70,9 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
     const int radius = ((const ssfr_shadow_basis_coeffs *)run->coeffs)->radius;
     const double px = (double)run->w * (double)run->h;
     report->taps = 1 + (radius > 0 ? 2 * (2 * radius + 1) : 0);
-    if (radius > 0) report->iterations = 3, report->bytes += 4 * 4 * sizeof(float) * px; /* two sweeps of four channels */
+    if (radius == 0) return;
+    report->iterations = 3; /* two more sweeps, of four channels */
+    report->bytes += 2 * 2 * 4 * sizeof(float) * px;
 }
 
 const ssfr_pass ssfr_shadow_basis = {

@@ -22,9 +22,9 @@ static inline int ssfr_shadow_images(int terms)
     return (2 * terms + 4) / 4;
 }
 
-/* The normalised depths of all casters and all fluid are in [0, span]: the wave has a period of 2, and turns back where
- * two depths are 1 apart. So far from that it is as far as it goes, with the fewest terms that make so many images: 1, 2,
- * 4, 8, 16. */
+/* All casters and all fluid have normalised depths in [0, span]. The wave has a period of 2, and would turn back where
+ * two depths are 1 apart: so far from that it is as far as it goes, with the fewest terms that make so many images (1,
+ * 2, 4, 8, 16). */
 static inline double ssfr_shadow_span(int n_images)
 {
     return 1 - 0.5 / ssfr_max_int(2 * n_images - 2, 1);

@@ -7,7 +7,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* ---- where the fluid is -------------------------------------------------------------------------------------------- */
+/* ---- where the fluid is ------------------------------------------------------------------------------------------ */
 
 /* The mean of the depths around a pixel that are a surface; empty where none is. */
 static double mean_depth(const ssfr_field *depth, int x, int y, int around)
@@ -44,7 +44,7 @@ static void place_in_light(const ssfr_run *run, int x, int y, double z, double o
     out[2] = ssfr_dot(world, c->view.to) + c->bias;
 }
 
-/* ---- what the light meets ------------------------------------------------------------------------------------------ */
+/* ---- what the light meets ---------------------------------------------------------------------------------------- */
 
 /* A place in the light's view, in texels of a square of this side. False beyond its border: no fluid is there, or no
  * caster. */
