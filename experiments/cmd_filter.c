@@ -117,7 +117,8 @@ static ssfr_result import(ssfr_graph *graph, const ssfr_port *port, const source
     const ssfr_depth_format format = {(ssfr_depth_kind)options->kind, options->near, options->far};
     SSFR_TRY(ssfr_exr_load(from->file, from->names, &field));
     in->n++;
-    in->w = ssfr_max_int(in->w, field->w), in->h = ssfr_max_int(in->h, field->h);
+    if (ssfr_slots[port->slot].kind == SSFR_IMAGE)
+        in->w = ssfr_max_int(in->w, field->w), in->h = ssfr_max_int(in->h, field->h);
     if (strcmp(ssfr_slots[port->slot].exr, "Z") == 0) {
         ssfr_depth_convert(&format, field, &in->range);
         in->n_depths++;
@@ -157,7 +158,7 @@ static ssfr_result import_all(ssfr_graph *graph, const ssfr_pass *pass, const fi
     *in = (inputs){0};
     SSFR_TRY(ssfr_exr_channels(file, &channels));
     for (int k = 0; pass->inputs[k].name; k++) {
-        if (ssfr_slots[pass->inputs[k].slot].kind != SSFR_IMAGE) continue;
+        if (ssfr_slots[pass->inputs[k].slot].kind == SSFR_PARTICLES) continue;
         const source from = find_source(pass, k, options, file, channels);
         if (from.file) SSFR_TRY(import(graph, &pass->inputs[k], &from, options, in));
     }
@@ -195,7 +196,8 @@ static ssfr_result run_pass(ssfr_graph *graph, const filter_options *options, co
     ssfr_scene scene = {.floor = -INFINITY};
     SSFR_TRY(make_stand_ins(&particles, &in->range, options->radius));
     scene.particles = particles;
-    SSFR_TRY(ssfr_camera_look(&scene.camera, origin, ahead, up, options->fov_deg * acos(-1) / 180, in->w, in->h));
+    SSFR_TRY(ssfr_camera_look(&scene.camera, origin, ahead, up, options->fov_deg * acos(-1) / 180,
+                              ssfr_max_int(in->w, 1), ssfr_max_int(in->h, 1))); /* maps have no view */
     scene.camera.near = in->range.n ? in->range.nearest : 1;
     scene.camera.far = 1.01 * fmax(in->range.farthest, scene.camera.near);
     SSFR_TRY(ssfr_graph_run(graph, &scene, &run));

@@ -236,6 +236,27 @@ float enter_solid(int i, vec3 origin, vec3 dir, out vec3 normal)
 
 const float HAZES = 16.0;
 
+// The first of these solids that the ray origin + dir * [0, t] enters, -1 for none; where, and the normal there.
+int meet(uvec2 solids, vec3 origin, vec3 dir, inout float t, out vec3 normal)
+{
+    int first = -1;
+    normal = vec3(0);
+#if SOLIDS
+    while ((solids.x | solids.y) != 0u) {
+        int i = solids.x != 0u ? findLSB(solids.x) : 32 + findLSB(solids.y);
+        solids = solids.x != 0u ? uvec2(solids.x & (solids.x - 1u), solids.y) : uvec2(0u, solids.y & (solids.y - 1u));
+        vec3 n;
+        float hit = enter_solid(i, origin, dir, n);
+        if (hit > 0.0 && hit < t) {
+            first = i;
+            t = hit;
+            normal = n;
+        }
+    }
+#endif
+    return first;
+}
+
 // Radiance along origin + t dir (relative to the eye, world axes; dir of any length), of the floor, the solids whose
 // bits are set, and the sky; t of the hit, EMPTY for the sky.
 vec3 trace_some(uvec2 solids, vec3 origin, vec3 dir, out float t)
@@ -249,18 +270,9 @@ vec3 trace_some(uvec2 solids, vec3 origin, vec3 dir, out float t)
         float footprint = t * frame.image.w * dot(dir, dir) / max(abs(dir.y), 1e-6);
         color = mix(color, floor_color(origin + t * dir, footprint), exp(-t * length(dir) / frame.ground.w));
     }
-#if SOLIDS
-    while ((solids.x | solids.y) != 0u) {
-        int i = solids.x != 0u ? findLSB(solids.x) : 32 + findLSB(solids.y);
-        solids = solids.x != 0u ? uvec2(solids.x & (solids.x - 1u), solids.y) : uvec2(0u, solids.y & (solids.y - 1u));
-        vec3 normal;
-        float hit = enter_solid(i, origin, dir, normal);
-        if (hit > 0.0 && hit < t) {
-            t = hit;
-            color = frame.solid[i].color.rgb * lambert(normal);
-        }
-    }
-#endif
+    vec3 normal;
+    int i = meet(solids, origin, dir, t, normal);
+    if (i >= 0) color = frame.solid[i].color.rgb * lambert(normal);
     return color;
 }
 

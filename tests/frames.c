@@ -127,6 +127,8 @@ ssfr_graph *test_graph(const ssfr_pipeline *pipeline, ssfr_gl *gl)
 {
     ssfr_graph *graph = NULL;
     assert_int_equal(ssfr_graph_create(&graph, pipeline, gl), SSFR_OK);
+    if (ssfr_graph_row(graph, "shadow_map.size"))
+        assert_int_equal(ssfr_graph_set(graph, "shadow_map.size", "64"), SSFR_OK);
     return graph;
 }
 

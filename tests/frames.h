@@ -35,6 +35,7 @@ int test_shared_gl_destroy(void **state); /* group teardown */
 extern char test_on_gpu[];
 ssfr_gl *test_backend(void **state);
 
+/* Its shadow maps are small: 64 px. */
 ssfr_graph *test_graph(const ssfr_pipeline *pipeline, ssfr_gl *gl);
 /* Sets a NULL-terminated list of "key=value". */
 void test_graph_set(ssfr_graph *graph, const char *const *settings);

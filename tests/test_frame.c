@@ -452,15 +452,77 @@ static void fluid_that_is_given_may_be_anywhere(void **state)
     prepare(&frame, &s.scene, 1, false);
     assert_false(frame.facts.fluid);
     assert_true(frame.facts.mean == s.scene.camera.near);
-    ssfr_frame_assume_fluid(&frame, 2.385, 4);
-    ssfr_frame_assume_fluid(&frame, 1, 1);
+    ssfr_frame_assume_fluid(&frame, 2.385, 4, 5);
+    ssfr_frame_assume_fluid(&frame, 1, 1, 1);
     assert_true(frame.facts.fluid && frame.facts.nearest == 2.385 && frame.facts.mean == 4);
     assert_int_equal(frame.facts.n_tiles, 10 * 7);
     assert_true(frame.facts.covered == 1);
     assert_int_equal(frame.facts.n_particles, 0);
     prepare(&frame, &s.scene, 1, false);
-    ssfr_frame_assume_fluid(&frame, 0, 0);
+    ssfr_frame_assume_fluid(&frame, 0, 0, 0);
     assert_true(frame.facts.nearest == s.scene.camera.near && frame.facts.mean == s.scene.camera.near);
+    ssfr_frame_finish(&frame);
+    test_scene_destroy(&s);
+}
+
+/* ---- the light --------------------------------------------------------------------------------------------------- */
+
+/* How far the particles' spheres reach beyond the fluid's bounds along the light's axes, m. */
+static double beyond(const ssfr_frame *frame, double radius)
+{
+    const ssfr_facts *f = &frame->facts;
+    double most = -INFINITY;
+    for (size_t i = 0; i < frame->n_particles; i++) {
+        double eye[3], world_at[3];
+        ssfr_frame_eye(frame, i, eye);
+        for (int k = 0; k < 3; k++)
+            world_at[k] = eye[0] * frame->rotation[0][k] + eye[1] * frame->rotation[1][k] +
+                          eye[2] * frame->rotation[2][k];
+        for (int k = 0; k < 3; k++) {
+            const double at = ssfr_dot(frame->light_axis[k], world_at);
+            most = fmax(most, fmax(at + radius - f->lit_hi[k], f->lit_lo[k] - at + radius));
+        }
+    }
+    return most;
+}
+
+static void the_lights_bounds_hold_the_fluid_in_view(void **state)
+{
+    (void)state;
+    test_scene s;
+    ssfr_frame frame = {0}, all = {0};
+    create_heap(&s, 0.1, 0.3, -3);
+    test_scene_look(&s, (const double[3]){0.2, 1, 0}, (const double[3]){0, 0, -3}, 60, 320, 200);
+    prepare(&frame, &s.scene, 2.5, false);
+    assert_true(beyond(&frame, 2.5 * 0.02) < 1e-9);
+    for (int k = 0; k < 3; k++) /* the heap's box is 0.4 m wide, seen from a corner sqrt(3) times that */
+        assert_true(frame.facts.lit_hi[k] - frame.facts.lit_lo[k] < sqrt(3) * 0.4 + 2 * SSFR_SUPPORT * 0.02);
+    ssfr_frame_assume_fluid(&frame, 1, 9, 9); /* the particles say where it is */
+    prepare(&all, &s.scene, 2.5, true);
+    assert_memory_equal(all.facts.lit_lo, frame.facts.lit_lo, sizeof all.facts.lit_lo);
+    assert_memory_equal(all.facts.lit_hi, frame.facts.lit_hi, sizeof all.facts.lit_hi);
+    s.scene.n_solids = 0;
+    prepare(&frame, &s.scene, 2.5, false);
+    assert_true(frame.facts.lit_lo[0] > frame.facts.lit_hi[0]);
+    ssfr_frame_finish(&frame), ssfr_frame_finish(&all);
+    test_scene_destroy(&s);
+}
+
+static void fluid_out_of_view_is_not_in_the_lights_bounds(void **state)
+{
+    (void)state;
+    test_scene s;
+    ssfr_frame frame = {0};
+    create_heap(&s, 0, 0, 3);
+    prepare(&frame, &s.scene, 1, true);
+    assert_true(frame.facts.lit_lo[0] > frame.facts.lit_hi[0]);
+    ssfr_frame_assume_fluid(&frame, 2, 2, 2); /* then it is where the view is */
+    const double x = 2 * s.scene.camera.tan_x, y = 2 * s.scene.camera.tan_y;
+    for (int k = 0; k < 3; k++) {
+        const double *axis = frame.light_axis[k], half = fabs(axis[0]) * x + fabs(axis[1]) * y;
+        assert_close(frame.facts.lit_lo[k], -2 * axis[2] - half, 1e-12, 0);
+        assert_close(frame.facts.lit_hi[k], -2 * axis[2] + half, 1e-12, 0);
+    }
     ssfr_frame_finish(&frame);
     test_scene_destroy(&s);
 }
@@ -551,6 +613,8 @@ int main(void)
         cmocka_unit_test(of_a_hosts_buffer_nothing_is_known),
         cmocka_unit_test(samples_of_the_host_tell_its_mean_distance),
         cmocka_unit_test(fluid_that_is_given_may_be_anywhere),
+        cmocka_unit_test(the_lights_bounds_hold_the_fluid_in_view),
+        cmocka_unit_test(fluid_out_of_view_is_not_in_the_lights_bounds),
         cmocka_unit_test(cameras_without_an_image_are_refused),
         cmocka_unit_test(solids_and_particles_out_of_range_are_refused),
     };

@@ -139,6 +139,11 @@ static const char *const variants[][5] = {
     {"layer_composite.surface=image", NULL},
     {"layer_composite.border=always", "downsample.factor=4", "layer_composite.reflection=scene", NULL},
     {"layer_composite.border=never", "downsample.factor=1", "layer_composite.as_printed=B28", NULL},
+    {"shadow.kind=map", NULL},
+    {"shadow.kind=ray", NULL},
+    {"shadow_map.off=1", NULL},
+    {"shadow.kind=map", "shadow_map.off=1", NULL},
+    {"light.elevation_deg=-30", "shadow_basis.terms=16", NULL},
 };
 
 /* Pipelines that lack a parameter run without it; whether there are all. */

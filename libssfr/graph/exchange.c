@@ -58,15 +58,17 @@ void ssfr_graph_want_all(ssfr_graph *graph, bool all)
 static void measure_depth(resource *r, const ssfr_field *field)
 {
     const size_t n = (size_t)field->w * (size_t)field->h;
-    double nearest = INFINITY, sum = 0;
+    double nearest = INFINITY, farthest = 0, sum = 0;
     size_t n_surface = 0;
     for (size_t i = 0; i < n; i++)
         if (ssfr_is_surface(field->data[i])) {
             nearest = fmin(nearest, -field->data[i]);
+            farthest = fmax(farthest, -field->data[i]);
             sum -= field->data[i];
             n_surface++;
         }
     r->nearest = n_surface ? nearest : 0;
+    r->farthest = farthest;
     r->mean = n_surface ? sum / (double)n_surface : 0;
 }
 
@@ -169,7 +171,7 @@ ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsig
     } else if (result == SSFR_OK) {
         ssfr_image_finish(&r->given);
         r->given = (image){.w = host.w, .h = host.h, .c = host.c, .texture = host};
-        r->nearest = r->mean = 0;
+        r->nearest = r->mean = r->farthest = 0;
         r->is_given = true;
     }
     result = ssfr_gl_end(graph->gl, result);

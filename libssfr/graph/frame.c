@@ -161,6 +161,53 @@ static void fill_block(ssfr_block *block, const ssfr_scene *scene, const ssfr_wo
     set4(block->map, map ? map->w : 0, map ? map->h : 0, 0, 0);
 }
 
+/* ---- the light --------------------------------------------------------------------------------------------------- */
+
+/* From the level axis that is least along the light, so that none is degenerate. */
+static void set_light_axes(ssfr_frame *frame)
+{
+    double(*axis)[3] = frame->light_axis;
+    double level[3] = {0};
+    const double *light = frame->block.light;
+    level[fabs(light[0]) <= fabs(light[2]) ? 0 : 2] = 1;
+    memcpy(axis[2], light, sizeof axis[2]);
+    ssfr_cross(level, axis[2], axis[0]);
+    ssfr_normalize(axis[0]);
+    ssfr_cross(axis[2], axis[0], axis[1]);
+}
+
+static void forget_lit(ssfr_facts *facts)
+{
+    for (int k = 0; k < 3; k++) facts->lit_lo[k] = INFINITY, facts->lit_hi[k] = -INFINITY;
+}
+
+/* There is fluid in a box at `centre` (eye space), half as large as half (world axes) and `reach` larger all around. */
+static void add_lit(ssfr_frame *frame, const double centre[3], const float half[3], double reach)
+{
+    ssfr_facts *facts = &frame->facts;
+    for (int k = 0; k < 3 && frame->n_solids; k++) {
+        const double *axis = frame->light_axis[k];
+        double middle = 0, extent = reach;
+        for (int j = 0; j < 3; j++) {
+            middle += centre[j] * ssfr_dot(frame->rotation[j], axis);
+            extent += fabs(axis[j]) * (double)half[j];
+        }
+        facts->lit_lo[k] = fmin(facts->lit_lo[k], middle - extent);
+        facts->lit_hi[k] = fmax(facts->lit_hi[k], middle + extent);
+    }
+}
+
+/* There may be fluid anywhere in view between two distances, m. */
+static void add_lit_view(ssfr_frame *frame, double nearest, double farthest)
+{
+    static const float point[3] = {0, 0, 0};
+    const double *image = frame->block.image, ends[2] = {nearest, farthest};
+    for (int i = 0; i < 8; i++) {
+        const double d = ends[i / 4], x = 0.5 * image[0] * image[2] * d, y = 0.5 * image[1] * image[3] * d;
+        add_lit(frame, (const double[3]){i & 1 ? x : -x, i & 2 ? y : -y, -d}, point, 0);
+    }
+}
+
 /* ---- facts ------------------------------------------------------------------------------------------------------- */
 
 typedef struct bounds { /* of a packet, in eye space */
@@ -331,19 +378,23 @@ static double mean_distance(const ssfr_frame *frame, double otherwise)
 static void count_facts(ssfr_frame *frame, double reach, bool keep_all)
 {
     ssfr_facts *facts = &frame->facts;
+    /* The same for a pass by itself as in its pipeline, where others may draw wider splats. */
+    const double around = fmax(reach, SSFR_SUPPORT) * frame->radius;
     double nearest = INFINITY;
     int lo[2], hi[2];
     facts->n_particles = facts->n_packets = 0;
+    forget_lit(facts);
     facts->n_ranges = 0;
     memset(facts->mask, keep_all, (size_t)facts->tiles_x * (size_t)facts->tiles_y);
     for (size_t i = 0; i < frame->n_packets; i++) {
         const bounds b = packet_bounds(frame, i, reach * frame->radius);
         const bool visible = box_pixels(frame, &b, frame->near, lo, hi);
         if (visible) nearest = fmin(nearest, -b.centre[2] - b.half[2]);
+        if (visible) add_lit(frame, b.centre, frame->particles->packets[i].half, around);
         if (visible && !keep_all) mark_packet(frame, i, reach * frame->radius, lo, hi);
         if (visible || keep_all) add_packet(frame, i);
     }
-    facts->fluid = nearest < INFINITY;
+    facts->fluid = facts->seen = nearest < INFINITY;
     facts->layers = false;
     facts->nearest = fmax(nearest, frame->near);
     facts->mean = fmax(mean_distance(frame, facts->fluid ? facts->nearest : 0), frame->near);
@@ -356,7 +407,7 @@ static void take_all_tiles(ssfr_facts *facts)
     list_tiles(facts);
 }
 
-void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean)
+void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean, double farthest)
 {
     ssfr_facts *facts = &frame->facts;
     if (!facts->fluid) {
@@ -365,6 +416,8 @@ void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean)
     }
     facts->fluid = true;
     take_all_tiles(facts);
+    if (!facts->seen)
+        add_lit_view(frame, fmax(nearest, frame->near), farthest > 0 ? farthest : frame->scene->camera.far);
 }
 
 void ssfr_frame_assume_layers(ssfr_frame *frame)
@@ -501,6 +554,7 @@ static void place_eye(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_wor
         frame->rotation[0][k] = camera->right[k], frame->rotation[1][k] = camera->up[k],
         frame->rotation[2][k] = camera->back[k];
     fill_block(&frame->block, scene, world);
+    set_light_axes(frame);
     fill_solids(frame, scene);
 }
 
@@ -549,7 +603,10 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     if (n) frame->facts.first[0] = 0, frame->facts.count[0] = (int)n;
     frame->facts.fluid = n > 0;
     frame->facts.layers = false;
+    frame->facts.seen = false;
     frame->facts.nearest = frame->facts.mean = frame->near;
+    forget_lit(&frame->facts);
+    if (n) add_lit_view(frame, frame->near, scene->camera.far);
     take_all_tiles(&frame->facts);
     mark_solids(frame, keep_all);
 end:

@@ -75,8 +75,11 @@ typedef struct ssfr_facts {
     size_t n_packets;     /* that touch the view */
     bool fluid;           /* false: nothing in view is fluid, for there is no particle and no depth of it is given */
     bool layers;          /* foam or a thickness is given, which may show where no other fluid is in view */
+    bool seen;            /* particles in view say where the fluid is */
     double nearest;       /* m, no particle's surface in view is nearer to the eye plane; >= the camera's near */
     double mean;          /* m, mean distance of the particles in view from the eye plane; >= near */
+    /* m, from the eye along light_axis: fluid in view is between; lo > hi: there is none, or no solid */
+    double lit_lo[3], lit_hi[3];
     int n_ranges;         /* runs of consecutive visible particles */
     int *first, *count;   /* of each run, in particles */
     int tiles_x, tiles_y; /* the image in tiles */
@@ -99,6 +102,7 @@ typedef struct ssfr_frame {
     size_t n_packets;
     double (*offset)[3];             /* m, eye-space packet centres */
     double rotation[3][3];           /* eye from world */
+    double light_axis[3][3];         /* unit, right-handed, world: two across the light, and towards it */
     ssfr_block block;
     ssfr_facts facts;
     int n_solids;
@@ -125,8 +129,9 @@ SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scen
                                               long *grew);
 /* Some of the host's positions, spread evenly: the mean distance of those in view stands for that of all. */
 void ssfr_frame_sample_host(ssfr_frame *frame, size_t n, const float (*positions)[3]);
-/* There may be fluid in every tile. Where no particle in view says how far it is, these do (m). */
-void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean);
+/* There may be fluid in every tile, between these distances (m); 0: not known. Where no particle in view says how far
+ * it is, these do. */
+void ssfr_frame_assume_fluid(ssfr_frame *frame, double nearest, double mean, double farthest);
 /* There may be layers of fluid in every tile. */
 void ssfr_frame_assume_layers(ssfr_frame *frame);
 void ssfr_frame_finish(ssfr_frame *frame);

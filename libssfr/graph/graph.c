@@ -51,7 +51,8 @@ static ssfr_slot_id bound_slot(const ssfr_node *def, const ssfr_port *port)
 
 static ssfr_result check_port(const node *n, const ssfr_port *port, ssfr_slot_id id)
 {
-    static const char *const kinds[] = {[SSFR_IMAGE] = "images", [SSFR_PARTICLES] = "values of particles"};
+    static const char *const kinds[] = {[SSFR_IMAGE] = "images", [SSFR_MAP] = "maps",
+                                          [SSFR_PARTICLES] = "values of particles"};
     const ssfr_slot *slot = &ssfr_slots[id], *own = &ssfr_slots[port->slot];
     if (id == SSFR_NO_SLOT)
         return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: port %s is bound to no slot", n->name, port->name);
@@ -114,6 +115,7 @@ static void check_ports(const ssfr_pass *pass)
     for (const ssfr_port *out = pass->outputs; out->name; out++) {
         assert(ssfr_slot_is_particles(out->slot) == (pass->particles_run != NULL));
         assert(out > pass->outputs ? out->optional || !out[-1].optional : !out->optional);
+        assert(ssfr_slot_is_map(out->slot) == (pass->size && pass->whole_screen));
     }
 }
 

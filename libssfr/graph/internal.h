@@ -54,10 +54,11 @@ typedef struct resource {
     bool is_given;  /* the caller brings it */
     image own, given;
     particle_values values;
-    double nearest, mean; /* m, of a given depth's surface; 0: not known */
+    double nearest, mean, farthest; /* m, of a given depth's surface; 0: not known */
     /* of the frame being run */
     bool wanted;
-    int divisor;    /* of the frame's resolution */
+    int divisor;    /* of the frame's resolution, 0: a map */
+    int w, h;       /* px, of a map; else 1 */
     int from;       /* the resource that stands in for it, -1: none */
     bool is_spared; /* its node runs and does not make it */
     const image *image;
@@ -159,6 +160,7 @@ double ssfr_values_largest(resource *r);
 void ssfr_values_forget(ssfr_graph *graph, const void *params);
 void ssfr_values_finish(ssfr_graph *graph);
 static inline bool ssfr_slot_is_particles(ssfr_slot_id slot) { return ssfr_slots[slot].kind == SSFR_PARTICLES; }
+static inline bool ssfr_slot_is_map(ssfr_slot_id slot) { return ssfr_slots[slot].kind == SSFR_MAP; }
 /* The index of the j-th port of `ports` that carries values of particles, -1 past the last. */
 int ssfr_port_of_values(const ssfr_port *ports, int j);
 

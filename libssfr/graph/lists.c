@@ -19,8 +19,9 @@ ssfr_slot_id ssfr_slot_find(const char *name)
 
 bool ssfr_slot_is_fluid(ssfr_slot_id slot)
 {
+    const ssfr_slot *s = &ssfr_slots[slot];
     const bool other = slot == SSFR_SLOT_scene_depth || slot == SSFR_SLOT_foam_depth;
-    return fabs(ssfr_slots[slot].neutral) == SSFR_EMPTY && !other;
+    return s->kind == SSFR_IMAGE && fabs(s->neutral) == SSFR_EMPTY && !other;
 }
 
 bool ssfr_slot_is_layer(ssfr_slot_id slot)

@@ -28,7 +28,8 @@ typedef enum ssfr_slot_id {
 } ssfr_slot_id;
 
 typedef enum ssfr_slot_kind {
-    SSFR_IMAGE,
+    SSFR_IMAGE,     /* of the view: of its resolution, or of a part of that */
+    SSFR_MAP,       /* an image of another view, or of none: its writer says its size */
     SSFR_PARTICLES, /* values of each particle */
 } ssfr_slot_kind;
 
@@ -165,6 +166,9 @@ struct ssfr_pass {
     /* What the GPU stores the outputs and scratch in: as halves it rounds what it writes, and every sum of blending.
      * cpu_run rounds as often, by ssfr_half_round. NULL: floats. */
     ssfr_storage (*storage)(const void *params);
+    /* Outputs that are maps: their size, px; in: that of the first input, where this is a map, else 1 x 1. Such a pass
+     * writes every pixel (whole_screen). NULL: its outputs are images of the view. */
+    void (*size)(const void *params, const int in[2], int out[2]);
     /* How far splats reach from a particle, in particle radii. NULL: no splats. */
     double (*reach)(const void *params);
 

@@ -31,11 +31,13 @@ static int given_divisor(const ssfr_graph *graph, const resource *r)
 
 static ssfr_result start(ssfr_graph *graph, resource *r)
 {
+    const bool is_map = ssfr_slot_is_map(r->slot);
     r->wanted = r->asked || graph->want_all;
     r->from = -1;
     r->is_spared = false;
-    r->divisor = r->is_given ? given_divisor(graph, r) : 1;
-    if (!r->divisor)
+    r->w = is_map && r->is_given ? r->given.w : 1, r->h = is_map && r->is_given ? r->given.h : 1;
+    r->divisor = is_map ? 0 : r->is_given ? given_divisor(graph, r) : 1;
+    if (!r->divisor && !is_map)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: %d x %d pixels given, the frame has %d x %d", ssfr_slots[r->slot].name,
                          r->given.w, r->given.h, graph->frame.w, graph->frame.h);
     return SSFR_OK;
@@ -47,11 +49,30 @@ static int divisor_of_input(const ssfr_graph *graph, const node *n, const char *
     return k >= 0 ? graph->resources[n->in[k]].divisor : 1;
 }
 
+/* Off, a map is one neutral pixel. */
+static void set_size(ssfr_graph *graph, node *n)
+{
+    const resource *first = n->n_in ? &graph->resources[n->in[0]] : NULL;
+    const int in[2] = {first ? first->w : 1, first ? first->h : 1};
+    int size[2] = {1, 1};
+    if (!n->off) n->pass->size(n->params, in, size);
+    n->run.divisor = 1;
+    n->run.w = size[0], n->run.h = size[1];
+    for (int k = 0; k < n->n_out; k++) {
+        resource *out = &graph->resources[n->out[k]];
+        if (!out->is_given) out->w = size[0], out->h = size[1];
+    }
+}
+
 static void set_divisors(ssfr_graph *graph, node *n)
 {
     const ssfr_pass *pass = n->pass;
     n->run.params = n->params, n->run.coeffs = n->coeffs, n->run.frame = &graph->frame;
     for (int k = 0; k < n->n_in; k++) n->run.divisor_in[k] = graph->resources[n->in[k]].divisor;
+    if (pass->size) {
+        set_size(graph, n);
+        return;
+    }
     for (int k = 0; k < n->n_out; k++) {
         resource *out = &graph->resources[n->out[k]];
         n->divisor_out[k] = divisor_of_input(graph, n, n->off ? pass->outputs[k].from : pass->outputs[k].like);
@@ -132,7 +153,7 @@ static void decide_all(ssfr_graph *graph, bool keep_all)
 
 /* ---- what is read ------------------------------------------------------------------------------------------------ */
 
-/* The image of a resource; *divisor is its resolution, 0 for one pixel that serves all. */
+/* The image of a resource; *divisor is its resolution, 0 for one pixel that serves all and for maps. */
 static const image *source(const ssfr_graph *graph, int index, int *divisor)
 {
     const resource *r = &graph->resources[index];

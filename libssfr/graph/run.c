@@ -231,7 +231,8 @@ static ssfr_result ensure_output(ssfr_graph *graph, const node *n, int k)
 {
     resource *r = &graph->resources[n->out[k]];
     const int c = ssfr_slots[r->slot].channels, d = n->divisor_out[k];
-    const int w = (graph->frame.w + d - 1) / d, h = (graph->frame.h + d - 1) / d;
+    const int w = d ? (graph->frame.w + d - 1) / d : n->run.w;
+    const int h = d ? (graph->frame.h + d - 1) / d : n->run.h;
     const bool exported = graph->gl && is_export(graph, n, n->out[k], w, h);
     if (r->own.texture.borrowed || exported) ssfr_image_finish(&r->own);
     if (!exported) return ssfr_image_ensure(graph, &r->own, w, h, c, ssfr_node_storage(n));
@@ -466,6 +467,13 @@ static double channel_bytes(ssfr_storage storage)
     return storage == SSFR_STORE_HALF ? 2 : sizeof(float);
 }
 
+/* Pixels of an input that a sweep over px of the outputs reads: all of a map. */
+static double read_px(const node *n, const resource *r, double px)
+{
+    const bool map = ssfr_slot_is_map(r->slot);
+    return map ? (double)r->w * (double)r->h : px * ssfr_square((double)n->run.divisor / r->divisor);
+}
+
 /* One sweep that reads each input and writes each output once; the pass knows better where that is wrong. */
 static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report *report)
 {
@@ -478,8 +486,7 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
         if (values) report->bytes += values_bytes(&r->values);
         if (values || !ssfr_node_reads(n, k)) continue;
         if (n->pass->taps == 0) report->taps++;
-        report->bytes += channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * px *
-                         ssfr_square((double)n->run.divisor / r->divisor);
+        report->bytes += channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * read_px(n, r, px);
     }
     for (int k = 0; n->pass->tables[k].table; k++)
         if (n->run.tables[k]) report->bytes += (double)ssfr_lookup_bytes(n->pass->tables[k].table);
@@ -535,7 +542,8 @@ static void note_given_fluid(ssfr_graph *graph)
 {
     for (int i = 0; i < graph->n_resources; i++) {
         const resource *r = &graph->resources[i];
-        if (r->is_given && ssfr_slot_is_fluid(r->slot)) ssfr_frame_assume_fluid(&graph->frame, r->nearest, r->mean);
+        if (r->is_given && ssfr_slot_is_fluid(r->slot))
+            ssfr_frame_assume_fluid(&graph->frame, r->nearest, r->mean, r->farthest);
         if (r->is_given && ssfr_slot_is_layer(r->slot)) ssfr_frame_assume_layers(&graph->frame);
     }
 }

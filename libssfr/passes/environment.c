@@ -72,6 +72,22 @@ static double meet_floor(const ssfr_block *b, const double origin[3], const doub
     return t;
 }
 
+int ssfr_environment_meet(const ssfr_frame *frame, const ssfr_solid_set solids, const double origin[3],
+                          const double dir[3], double *t, double normal[3])
+{
+    int first = -1;
+    for (int i = 0; i < frame->n_solids; i++) {
+        double n[3];
+        if (!(solids[i / 32] >> i % 32 & 1)) continue;
+        const double hit = ssfr_solid_enter(&frame->solids[i], origin, dir, n);
+        if (!(hit > 0 && hit < *t)) continue;
+        first = i;
+        *t = hit;
+        memcpy(normal, n, sizeof n);
+    }
+    return first;
+}
+
 double ssfr_environment_trace(const ssfr_frame *frame, const ssfr_solid_set solids, const double origin[3],
                               const double dir[3], double color[3])
 {
@@ -80,13 +96,8 @@ double ssfr_environment_trace(const ssfr_frame *frame, const ssfr_solid_set soli
     ssfr_normalize(unit);
     ssfr_environment_sky(frame, unit, color);
     double t = meet_floor(b, origin, dir, color);
-    for (int i = 0; i < frame->n_solids; i++) {
-        if (!(solids[i / 32] >> i % 32 & 1)) continue;
-        const double hit = ssfr_solid_enter(&frame->solids[i], origin, dir, normal);
-        if (!(hit > 0 && hit < t)) continue;
-        t = hit;
-        for (int k = 0; k < 3; k++) color[k] = b->solid[i][4][k] * ssfr_environment_lambert(b, normal);
-    }
+    const int i = ssfr_environment_meet(frame, solids, origin, dir, &t, normal);
+    for (int k = 0; k < 3 && i >= 0; k++) color[k] = b->solid[i][4][k] * ssfr_environment_lambert(b, normal);
     return t;
 }
 

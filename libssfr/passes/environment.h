@@ -8,6 +8,10 @@
 /* Radiance of the sky, or of its map, in a unit world direction. */
 void ssfr_environment_sky(const ssfr_frame *frame, const double dir[3], double color[3]);
 
+/* The first of these solids that the ray origin + dir * [0, t] enters, -1 for none; where, and the unit normal there. */
+int ssfr_environment_meet(const ssfr_frame *frame, const ssfr_solid_set solids, const double origin[3],
+                          const double dir[3], double *t, double normal[3]);
+
 /* Radiance along origin + t dir (relative to the eye, world axes) of the floor, these of the solids, and the sky; gives
  * t of the hit, SSFR_EMPTY for the sky. */
 double ssfr_environment_trace(const ssfr_frame *frame, const ssfr_solid_set solids, const double origin[3],

@@ -26,6 +26,10 @@ const ssfr_pipeline ssfr_pipeline_bagar2010 = {
         {"normals", .stage = COMPOSITE},
         {"layer_thickness", .stage = THICKNESS},
         {"foam_thickness", .stage = THICKNESS},
+        {"shadow_map", .stage = COMPOSITE},
+        {"shadow_basis", .stage = COMPOSITE},
+        /* The smoothed depth is of a lower resolution; it lies within a radius of this one, and so does the bias. */
+        {"shadow", .stage = COMPOSITE, .ports = {{"depth", SSFR_SLOT_fluid_depth}}},
         {"layer_composite", .stage = COMPOSITE, .settings = {"surface=split"}},
         {"spray", .stage = COMPOSITE},
     },
