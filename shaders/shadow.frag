@@ -15,7 +15,7 @@ uniform float u_bias;  // m
 uniform float u_scale;
 uniform int u_kind;    // 0 map, 1 convolution, 2 ray
 uniform int u_around;  // px, of the mean
-uniform int u_foam;    // where there is no water
+uniform int u_foam;    // 0: left out; 1: where there is no water; 2: wherever it is before the water
 uniform float u_divisor; // full-resolution pixels a pixel
 
 layout(location = 0) out float o_light;
@@ -93,7 +93,7 @@ void main()
 {
     ivec2 p = ivec2(gl_FragCoord.xy);
     float z = mean_depth(t_depth, p);
-    if (!is_surface(z) && u_foam != 0) z = mean_depth(t_foam_depth, p);
+    if (u_foam == 2 || (u_foam == 1 && !is_surface(z))) z = max(z, mean_depth(t_foam_depth, p));
     if (!is_surface(z)) discard;
     vec3 world = world_from_eye(vec3(slope_at(gl_FragCoord.xy * u_divisor) * -z, z));
     o_light = light_at(vec3(dot(world, u_light_x), dot(world, u_light_y), dot(world, frame.light.xyz) + u_bias));

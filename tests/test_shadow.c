@@ -303,19 +303,43 @@ static void the_depth_is_the_mean_of_those_around_it(void **state)
     }
 }
 
-static void foam_says_where_the_fluid_is_without_water(void **state)
+/* Water stands on the left, before the foam or behind it; the foam alone is in shadow, or it alone is not. */
+static void foam_says_where_the_fluid_is_without_water_or_before_it(void **state)
 {
-    for (int foam = 0; foam < 2; foam++) {
+    static const char *const foams[] = {"off", "without_water", "front"};
+    for (int foam = 0; foam < 3; foam++)
+        for (int before = 0; before < 2; before++) {
+            test_twin *t = begin_cover(state);
+            const double water_z = before ? -1.5 : -0.5, foam_z = before ? -0.5 : -1.5;
+            ssfr_field *depth = test_field_filled(W, H, 1, -SSFR_EMPTY), *front = test_field_filled(W, H, 1, foam_z);
+            for (int y = 0; y < H; y++)
+                for (int x = 0; x < W / 2; x++) *ssfr_field_at(depth, x, y) = water_z;
+            test_twin_set(t, "shadow.foam", foams[foam]);
+            test_twin_give(t, "surface_depth", depth);
+            test_twin_give(t, "foam_depth", front);
+            const ssfr_field *light = test_twin_run(t, "light");
+            const bool lit_water = !before || foam == 2, lit_foam = before || foam == 0;
+            for (int y = 0; y < H; y++)
+                for (int x = 0; x < W; x++)
+                    assert_true(*ssfr_field_at(light, x, y) == (x < W / 2 ? lit_water : lit_foam));
+        }
+}
+
+/* What a particle that has nearly turned to foam leaves of its water, deep in shadow, is one pixel. */
+static void a_pixel_of_water_behind_foam_cuts_no_hole_into_its_light(void **state)
+{
+    for (int listing = 0; listing < 2; listing++) {
         test_twin *t = begin_cover(state);
-        ssfr_field *depth = test_field_filled(W, H, 1, -SSFR_EMPTY), *front = test_field_filled(W, H, 1, -1.5);
-        for (int y = 0; y < H; y++)
-            for (int x = 0; x < W / 2; x++) *ssfr_field_at(depth, x, y) = -0.5;
-        test_twin_set(t, "shadow.foam", foam ? "on" : "off");
+        ssfr_field *depth = test_field_filled(W, H, 1, -SSFR_EMPTY);
+        *ssfr_field_at(depth, 20, 20) = -1.5;
+        test_twin_set(t, "shadow.average", "3x3");
+        if (listing) test_twin_set(t, "shadow.foam", "without_water");
         test_twin_give(t, "surface_depth", depth);
-        test_twin_give(t, "foam_depth", front);
+        test_twin_give(t, "foam_depth", test_field_filled(W, H, 1, -0.5));
         const ssfr_field *light = test_twin_run(t, "light");
-        for (int y = 0; y < H; y++)
-            for (int x = 0; x < W; x++) assert_true(*ssfr_field_at(light, x, y) == !(foam && x >= W / 2));
+        int n_dark = 0;
+        for (int i = 0; i < W * H; i++) n_dark += light->data[i] == 0;
+        assert_int_equal(n_dark, listing ? 9 : 0);
     }
 }
 
@@ -473,7 +497,8 @@ int main(void)
         TEST_TWINS(more_terms_make_a_sharper_step),
         TEST_TWINS(where_no_caster_is_all_light_arrives_to_the_bit),
         TEST_TWINS(the_depth_is_the_mean_of_those_around_it),
-        TEST_TWINS(foam_says_where_the_fluid_is_without_water),
+        TEST_TWINS(foam_says_where_the_fluid_is_without_water_or_before_it),
+        TEST_TWINS(a_pixel_of_water_behind_foam_cuts_no_hole_into_its_light),
         TEST_TWINS(without_water_and_foam_all_light_arrives),
         TEST_TWINS(depths_that_are_no_numbers_do_not_count),
         TEST_TWINS(however_far_the_fluid_is_its_light_is_a_share),

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* shadow.c: the share of the light that arrives at water and foam, past the solids (Bagar 2010, listing A.22).
- * Where the fluid is, is the mean of the depths of water around a pixel, or of foam where there is no water. */
+ *
+ * Where the fluid is, is the mean of the depths of water around a pixel or, where it is nearer, of foam. The listing
+ * takes foam where there is no water alone: then drops of water behind foam cut holes of their own light into it. */
 #include "passes/shadow.h"
 
 #include "graph/draw.h"
@@ -13,6 +15,7 @@ typedef struct shadow_params {
 
 static const char *const kinds[] = {"map", "convolution", "ray", NULL};
 static const char *const averages[] = {"none", "3x3", NULL};
+static const char *const foams[] = {"off", "without_water", "front", NULL};
 
 /* Particles whose centres touch a solid reach into it by a radius. A caster at the very depth of the fluid lets half of
  * the light through in the series; twice that is all of it. */
@@ -22,7 +25,9 @@ static const ssfr_param rows[] = {
                       "a ray along the light, exact"),
     SSFR_PARAM_CHOICE(shadow_params, average, averages, 1,
                       "the pixel's own depth, or the mean of the 3x3 around it as listing A.22 has it"),
-    SSFR_PARAM_FLAG(shadow_params, foam, 1, "where there is no water the fluid is where the foam is, as listing A.22"),
+    SSFR_PARAM_CHOICE(shadow_params, foam, foams, SSFR_SHADOW_FOAM_FRONT,
+                      "foam says where the fluid is nowhere; where there is no water, as in listing A.22; or wherever it "
+                      "is before the water"),
     SSFR_PARAM_REAL(shadow_params, bias, "radii", 1, 0, 1e6,
                     "what stands above the fluid by less casts no shadow; in particle radii"),
     SSFR_PARAM_REAL(shadow_params, scale, "1", 2, 0.01, 100,
@@ -81,7 +86,7 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
 {
     const ssfr_shadow_coeffs *c = run->coeffs;
     const double near = c->around ? 9 : 1;
-    report->taps = near * (c->foam ? 2 : 1); /* at most */
+    report->taps = near * (c->foam ? 2 : 1); /* without_water: at most */
     if (c->kind == SSFR_SHADOW_MAP) report->taps++;
     if (c->kind == SSFR_SHADOW_CONVOLUTION) report->taps += basis_taps(run);
 }

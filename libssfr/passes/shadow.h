@@ -6,6 +6,7 @@
 #include "passes/light_view.h"
 
 enum { SSFR_SHADOW_MAP, SSFR_SHADOW_CONVOLUTION, SSFR_SHADOW_RAY };
+enum { SSFR_SHADOW_NO_FOAM, SSFR_SHADOW_FOAM_WITHOUT_WATER, SSFR_SHADOW_FOAM_FRONT };
 enum { SSFR_SHADOW_DEPTH, SSFR_SHADOW_FOAM_DEPTH, SSFR_SHADOW_LIGHT_DEPTH, SSFR_SHADOW_BASIS }; /* inputs */
 
 typedef struct ssfr_shadow_coeffs {
@@ -15,7 +16,7 @@ typedef struct ssfr_shadow_coeffs {
     int kind;
     double divisor; /* full-resolution pixels a pixel */
     int around;   /* px, of the mean: 1 for 3x3 */
-    int foam;     /* where there is no water */
+    int foam;     /* SSFR_SHADOW_* */
 } ssfr_shadow_coeffs;
 
 void ssfr_shadow_cpu(const ssfr_run *run);

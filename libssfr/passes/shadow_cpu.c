@@ -28,8 +28,9 @@ static double fluid_depth(const ssfr_run *run, int x, int y)
 {
     const ssfr_shadow_coeffs *c = run->coeffs;
     const double z = mean_depth(run->in[SSFR_SHADOW_DEPTH], x, y, c->around);
-    if (ssfr_is_surface(z) || !c->foam) return z;
-    return mean_depth(run->in[SSFR_SHADOW_FOAM_DEPTH], x, y, c->around);
+    const bool alone = ssfr_is_surface(z) && c->foam != SSFR_SHADOW_FOAM_FRONT;
+    if (alone || c->foam == SSFR_SHADOW_NO_FOAM) return z;
+    return fmax(z, mean_depth(run->in[SSFR_SHADOW_FOAM_DEPTH], x, y, c->around));
 }
 
 /* A place in the light's view: m along its axes, the third from the eye towards the light. */

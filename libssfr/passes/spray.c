@@ -40,6 +40,12 @@ static const ssfr_uniform uniforms[] = {
     {NULL, 0, 0},
 };
 
+static bool reads(const void *params, int port)
+{
+    const bool by_surface = ((const spray_params *)params)->occlusion == SSFR_SPRAY_BEHIND_SURFACE;
+    return by_surface || (port != SSFR_SPRAY_DEPTH && port != SSFR_SPRAY_FOAM_DEPTH);
+}
+
 static void derive(const ssfr_run *run, void *coeffs)
 {
     const spray_params *p = run->params;
@@ -69,6 +75,7 @@ const ssfr_pass ssfr_spray = {
     .params = rows,
     .params_size = sizeof(spray_params),
     .coeffs_size = sizeof(ssfr_spray_coeffs),
+    .reads = reads,
     .derive = derive,
     .needed = needed,
     .needless = "spray of strength 0, or none in view",

@@ -7,6 +7,7 @@
 
 enum { SSFR_SPRAY_GAUSSIAN, SSFR_SPRAY_EXPONENTIAL };
 enum { SSFR_SPRAY_BEHIND_SCENE, SSFR_SPRAY_BEHIND_SURFACE };
+enum { SSFR_SPRAY_SCENE_DEPTH = 1, SSFR_SPRAY_DEPTH, SSFR_SPRAY_FOAM_DEPTH }; /* inputs */
 
 typedef struct ssfr_spray_coeffs {
     ssfr_streak streak;
