@@ -132,6 +132,51 @@ static void wall_takes_what_is_behind_it(void **state)
     assert_true(mass(t, test_twin_run(t, "foam_thickness")) == 0);
 }
 
+/* ---- 16 bits ----------------------------------------------------------------------------------------------------- */
+
+/* Each particle by itself, all and what is near the front alike. GL does not say how it rounds: it may cut off. */
+static void sums_of_halves_are_rounded_one_by_one(void **state)
+{
+    enum { FEW = 12 };
+    static const char *const images[] = {"foam_thickness", "foam_front"};
+    double at[FEW][3];
+    for (int i = 0; i < FEW; i++)
+        for (int k = 0; k < 3; k++) at[i][k] = c[0][k] + 0.03 * i * (k - 1);
+    for (int image = 0; image < 2; image++) {
+        static double sum[W * H];
+        test_twin *t = with_one(state, 1, NULL);
+        int n = 0;
+        memset(sum, 0, sizeof sum);
+        test_twin_set(t, "noise", "constant");
+        for (int i = 0; i < FEW; i++) {
+            place(t, 1, (const double(*)[3])at + i, 0.4, NULL, NULL);
+            const ssfr_field *one = test_twin_run(t, images[image]);
+            for (int k = 0; k < W * H; k++) sum[k] = ssfr_half_round(sum[k] + one->data[k]);
+        }
+        place(t, FEW, (const double(*)[3])at, 0.4, NULL, NULL);
+        test_twin_set(t, "storage", "half");
+        const ssfr_field *halves = test_twin_run(t, images[image]);
+        for (int k = 0; k < W * H; k++) {
+            assert_true(halves->data[k] == ssfr_half_round(halves->data[k]));
+            assert_close(halves->data[k], sum[k], t->gl ? 0x1p-24 : 0, t->gl ? 2 * FEW * 0x1p-11 : 0);
+            n += halves->data[k] > 1;
+        }
+        assert_true(n > 100);
+    }
+}
+
+static void foam_of_halves_takes_half_the_bytes(void **state)
+{
+    test_twin *t = with_one(state, 1, sideways);
+    const ssfr_report *r = ssfr_graph_report(t->graph);
+    test_twin_run(t, "foam_thickness");
+    const double moved = r->nodes[0].bytes, held = r->image_bytes;
+    test_twin_set(t, "storage", "half");
+    test_twin_run(t, "foam_thickness");
+    assert_true(r->nodes[0].bytes == moved - 2 * 2.0 * W * H); /* two images that are written, 2 bytes less each */
+    assert_true(r->image_bytes == (t->gl ? held - 2 * 2.0 * W * H : held));
+}
+
 /* ---- noise ------------------------------------------------------------------------------------------------------- */
 
 static ssfr_field *at_lifetime(test_twin *t, float lifetime)
@@ -385,6 +430,8 @@ int main(void)
         TEST_TWINS(the_mass_of_a_quad_is_its_integral),
         TEST_TWINS(noise_leaves_half_of_the_foam_on_average),
         TEST_TWINS(wall_takes_what_is_behind_it),
+        TEST_TWINS(sums_of_halves_are_rounded_one_by_one),
+        TEST_TWINS(foam_of_halves_takes_half_the_bytes),
         TEST_TWINS(the_texture_is_near_the_noise_and_constant_its_mean),
         TEST_TWINS(patterns_change_continuously_with_the_lifetime),
         TEST_TWINS(particles_have_patterns_by_their_ids_or_by_their_lifetimes_alone),

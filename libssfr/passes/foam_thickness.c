@@ -9,10 +9,11 @@
 #include "passes/foam_thickness.h"
 
 #include "passes/perlin.h"
+#include "passes/thickness.h"
 
 typedef struct foam_thickness_params {
     ssfr_streak_params streak;
-    int kernel, occlusion, mass, noise, pattern, front;
+    int kernel, occlusion, mass, noise, pattern, front, storage;
     double scale, noise_rate, delta_foam;
 } foam_thickness_params;
 
@@ -45,6 +46,7 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_REAL(foam_thickness_params, delta_foam, "m", 0.08, 0, 1e6,
                     "depth of the front of the foam, that of layer_composite"),
     SSFR_PARAM_REAL(foam_thickness_params, scale, "1", 1, 0, 100, "multiplies the sum"),
+    SSFR_THICKNESS_STORAGE_ROW(foam_thickness_params),
     SSFR_PARAM_END,
 };
 
@@ -76,6 +78,7 @@ static void derive(const ssfr_run *run, void *coeffs)
     c->kept = p->mass == 0;
     c->by_centre = p->front == 0;
     c->noise = p->noise;
+    c->half = p->storage == SSFR_STORE_HALF;
     c->by_id = p->pattern == 0;
     c->has_ids = run->frame->particles && run->frame->particles->id;
 }
@@ -87,6 +90,11 @@ static bool defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
     snprintf(text, SSFR_DEFINES, "#define PARTICLE\n%s%s%s", lines[p->noise], ssfr_root_define(p->streak.root),
              p->front == 0 ? "#define CENTRE\n" : "");
     return i == 0;
+}
+
+static ssfr_storage storage(const void *params)
+{
+    return (ssfr_storage)((const foam_thickness_params *)params)->storage;
 }
 
 /* Of n quads that each add 2 R h noise, where height and noise are 2/3 and 1/2 on average. */
@@ -116,6 +124,7 @@ const ssfr_pass ssfr_foam_thickness = {
     .needed = ssfr_streak_needed,
     .needless = "no foam in view",
     .reach = ssfr_streak_reach,
+    .storage = storage,
     .cpu_run = ssfr_foam_thickness_cpu,
     .programs = SSFR_STREAK_PROGRAMS("foam_thickness.frag", "#define PARTICLE\n#define NOISE\n#define CENTRE\n"),
     .defines = defines,
@@ -123,5 +132,6 @@ const ssfr_pass ssfr_foam_thickness = {
     .gl_run = ssfr_streak_gl_add,
     .work = ssfr_streak_work,
     .tolerance = {.abs = 2e-4, .rel = 1e-3, .outliers = 0.02},
+    .half_tolerance = SSFR_THICKNESS_HALF_TOLERANCE,
     .widen = widen,
 };

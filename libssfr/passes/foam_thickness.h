@@ -16,7 +16,7 @@ typedef struct ssfr_foam_thickness_coeffs {
     double scale;      /* of the sum */
     double noise_rate; /* periods of the noise a second */
     double delta_foam; /* m */
-    int exponential, kept, clipped, by_centre, noise;
+    int exponential, kept, clipped, by_centre, noise, half;
     int by_id, has_ids;
 } ssfr_foam_thickness_coeffs;
 

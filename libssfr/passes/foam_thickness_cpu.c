@@ -2,6 +2,7 @@
 /* foam_thickness_cpu.c: the sum of the foam particles' chords times noise at each pixel, in double. */
 #include "passes/foam_thickness.h"
 #include "passes/perlin.h"
+#include "passes/thickness.h"
 
 static double place_in_time(const ssfr_run *run, size_t particle)
 {
@@ -41,8 +42,8 @@ static void add(const ssfr_run *run, const ssfr_fragment *f, double *pixel)
     if (c->kept) t /= f->area;
     if (c->clipped) t *= (f->front - fmax(f->back, scene)) / fmax(f->front - f->back, 1e-20);
     t *= noise_at(run, f);
-    *pixel += t;
-    if (is_in_front(run, f)) *ssfr_field_at(run->out[1], f->x, f->y) += t;
+    ssfr_thickness_add(c->half, t, pixel);
+    if (is_in_front(run, f)) ssfr_thickness_add(c->half, t, ssfr_field_at(run->out[1], f->x, f->y));
 }
 
 void ssfr_foam_thickness_cpu(const ssfr_run *run)

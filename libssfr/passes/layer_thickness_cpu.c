@@ -15,11 +15,12 @@ static double share_before(const ssfr_run *run, const ssfr_fragment *f)
 
 static void add(const ssfr_run *run, const ssfr_fragment *hit, double *behind)
 {
+    const bool half = ((const ssfr_thickness_coeffs *)run->coeffs)->half;
     ssfr_fragment f = *hit;
     ssfr_field *before = run->out[SSFR_LAYER_BEFORE];
     const double t = ssfr_thickness_of(run, &f), share = before ? share_before(run, &f) : 0;
-    ssfr_thickness_add(run, (1 - share) * t, behind);
-    if (before) ssfr_thickness_add(run, share * t, ssfr_field_at(before, f.x, f.y));
+    ssfr_thickness_add(half, (1 - share) * t, behind);
+    if (before) ssfr_thickness_add(half, share * t, ssfr_field_at(before, f.x, f.y));
 }
 
 void ssfr_layer_thickness_cpu(const ssfr_run *run)

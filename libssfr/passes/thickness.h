@@ -20,6 +20,10 @@ typedef struct ssfr_thickness_coeffs {
 
 extern const char *const ssfr_thickness_kernels[], *const ssfr_thickness_occlusions[];
 
+#define SSFR_THICKNESS_STORAGE_ROW(type)                                            \
+    SSFR_PARAM_CHOICE(type, storage, ssfr_storages, SSFR_STORE_FLOAT,               \
+                      "sums in 32 bits, or in 16 as the paper has them (tab. 4.1): each sum is rounded to 11 bits")
+
 #define SSFR_THICKNESS_ROWS                                                                                          \
     SSFR_SPLAT_ROWS,                                                                                                 \
     SSFR_PARAM_CHOICE(ssfr_thickness_params, kernel, ssfr_thickness_kernels, 0,                                      \
@@ -29,8 +33,7 @@ extern const char *const ssfr_thickness_kernels[], *const ssfr_thickness_occlusi
                       "a particle whose front is before the scene counts whole, or with its part before the scene"), \
     SSFR_PARAM_REAL(ssfr_thickness_params, scale, "1", 1, 0, 100,                                                    \
                     "multiplies the sum: spheres do not fill space"),                                                \
-    SSFR_PARAM_CHOICE(ssfr_thickness_params, storage, ssfr_storages, SSFR_STORE_FLOAT,                               \
-                      "sums in 32 bits, or in 16 as the paper has them (tab. 4.1): each sum is rounded to 11 bits")
+    SSFR_THICKNESS_STORAGE_ROW(ssfr_thickness_params)
 
 #define SSFR_THICKNESS_UNIFORMS                                             \
     SSFR_SPLAT_UNIFORMS,                                                    \
@@ -49,7 +52,13 @@ void ssfr_thickness_widen(const ssfr_run *run, ssfr_tolerance *tolerance);
 
 /* What a particle adds at a pixel, m; 0 where it is behind the scene. f->back is then where that ends. */
 double ssfr_thickness_of(const ssfr_run *run, ssfr_fragment *f);
-void ssfr_thickness_add(const ssfr_run *run, double thickness, double *sum);
+
+/* Adds to a sum, of halves or not. */
+static inline void ssfr_thickness_add(bool half, double thickness, double *sum)
+{
+    *sum += thickness;
+    if (half) *sum = ssfr_half_round(*sum);
+}
 
 void ssfr_thickness_cpu(const ssfr_run *run);
 

@@ -16,17 +16,10 @@ double ssfr_thickness_of(const ssfr_run *run, ssfr_fragment *f)
     return t;
 }
 
-void ssfr_thickness_add(const ssfr_run *run, double thickness, double *sum)
-{
-    const ssfr_thickness_coeffs *c = run->coeffs;
-    *sum += thickness;
-    if (c->half) *sum = ssfr_half_round(*sum);
-}
-
 static void add(const ssfr_run *run, const ssfr_fragment *hit, double *pixel)
 {
     ssfr_fragment f = *hit;
-    ssfr_thickness_add(run, ssfr_thickness_of(run, &f), pixel);
+    ssfr_thickness_add(((const ssfr_thickness_coeffs *)run->coeffs)->half, ssfr_thickness_of(run, &f), pixel);
 }
 
 void ssfr_thickness_cpu(const ssfr_run *run)
