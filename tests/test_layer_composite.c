@@ -401,26 +401,35 @@ static void without_foam_it_is_the_water_of_composite(void **state)
     assert_true(test_same_bits(test_twin_run(p.t, "color"), given));
 }
 
+/* By eq. 3.8, and by listing A.20 (B11), which shows it where water is before foam alone. */
 static void the_highlight_takes_the_light_that_arrives(void **state)
 {
     const pond p = begin(state);
     ssfr_field *dark = test_field(W, H, 3), *bright = test_field(W, H, 3);
+    attenuate_by(&p, 1);
     test_twin_set(p.t, "specular", "0.5");
     test_twin_set(p.t, "shininess", "2");
     test_twin_set(p.t, "light.azimuth_deg", "90");
-    ssfr_field_fill(p.value[LIGHT], 0);
-    memcpy(dark->data, run(&p)->data, sizeof *dark->data * 3 * N);
-    for (int i = 0; i < 3 * N; i++) assert_close(dark->data[i], scene[i % 3], 4 * p.t->eps, 0);
-    ssfr_field_fill(p.value[LIGHT], 1);
-    memcpy(bright->data, run(&p)->data, sizeof *bright->data * 3 * N);
-    ssfr_field_fill(p.value[LIGHT], 0.25);
-    const ssfr_field *some = run(&p);
-    for (int i = 0; i < 3 * N; i++) {
-        assert_close(some->data[i], ssfr_mix(dark->data[i], bright->data[i], 0.25), 16 * p.t->eps, 0);
-        assert_true(bright->data[i] > dark->data[i] + 0.01);
+    for (int listing = 0; listing < 2; listing++) {
+        double color[3];
+        test_twin_set(p.t, "as_printed", listing ? "B11" : "none");
+        lay(&p, 0, 0, listing ? 0.5 : 0);
+        copy(color, scene);
+        cover(color, fluid, listing ? 0.5 : 0);
+        ssfr_field_fill(p.value[LIGHT], 0);
+        assert_color(&p, color);
+        memcpy(dark->data, run(&p)->data, sizeof *dark->data * 3 * N);
+        ssfr_field_fill(p.value[LIGHT], 1);
+        memcpy(bright->data, run(&p)->data, sizeof *bright->data * 3 * N);
+        ssfr_field_fill(p.value[LIGHT], 0.25);
+        const ssfr_field *some = run(&p);
+        for (int i = 0; i < 3 * N; i++) {
+            assert_close(some->data[i], ssfr_mix(dark->data[i], bright->data[i], 0.25), 16 * p.t->eps, 0);
+            assert_true(bright->data[i] > dark->data[i] + 0.01);
+        }
     }
+    lay(&p, 0, 100, 0);
     ssfr_field_fill(p.depth, -SSFR_EMPTY); /* no surface, nothing to shine */
-    ssfr_field_fill(p.value[FOAM], 100);
     ssfr_field_fill(p.value[LIGHT], 1);
     assert_color(&p, c_fb);
 }

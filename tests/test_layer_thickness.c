@@ -440,6 +440,21 @@ static double at_particle(const layers *l, int i)
     return *ssfr_field_at(l->back, x, y) + *ssfr_field_at(l->front, x, y);
 }
 
+/* It is uploaded, and counted, where a particle that has any is left out, and nowhere else. */
+static void foam_of_particles_is_read_where_it_leaves_them_out(void **state)
+{
+    double bytes[2];
+    test_twin *t = test_twin_create_for(state, &foamy, W, H);
+    place_three(t);
+    test_twin_give(t, "foam_depth", test_field_filled(W, H, 1, -2.9));
+    for (int b14 = 0; b14 < 2; b14++) {
+        test_twin_set(t, "layer_thickness.as_printed", b14 ? "B14" : "none");
+        run(t);
+        bytes[b14] = ssfr_graph_report(t->graph)->nodes[2].bytes;
+    }
+    assert_true(bytes[1] == bytes[0] + 3 * sizeof(float));
+}
+
 static void water_that_turns_to_foam_is_as_thick_as_its_size(void **state)
 {
     static const double sizes[] = {1, 0.5, 0}, printed[] = {1, 0, 0};
@@ -623,6 +638,7 @@ int main(void)
         TEST_TWINS(the_front_layer_comes_and_goes_with_the_foam),
         TEST_TWINS(there_are_no_layers_without_particles_in_view),
         TEST_TWINS(water_that_turns_to_foam_is_as_thick_as_its_size),
+        TEST_TWINS(foam_of_particles_is_read_where_it_leaves_them_out),
         TEST_TWINS(sums_are_rounded_one_by_one),
         TEST_TWINS(layers_of_halves_take_half_the_bytes),
         TEST_TWINS(pictures_are_finite_when_halves_overflow),

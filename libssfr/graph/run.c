@@ -393,7 +393,7 @@ end:
     return result;
 }
 
-/* Values of particles are uploaded when a node draws with them, once. */
+/* Values of particles are uploaded when a node that reads them draws, once. */
 static ssfr_result bind_values(ssfr_graph *graph, const node *n)
 {
     ssfr_result result = SSFR_OK;
@@ -401,14 +401,15 @@ static ssfr_result bind_values(ssfr_graph *graph, const node *n)
         resource *r = &graph->resources[n->in[k]];
         particle_values *v = &r->values;
         const size_t size = v->now.n * (size_t)v->now.c;
-        if (!v->now.same && v->buffer_key != v->key) {
+        const bool neutral = v->now.same || !ssfr_node_reads(n, k);
+        if (!neutral && v->buffer_key != v->key) {
             v->buffer_key = 0;
             SSFR_TRY(grow(graph, &v->buffer, &v->cap_buffer, size, sizeof(float)));
             if (size) glNamedBufferSubData(v->buffer, 0, (GLsizeiptr)(size * sizeof(float)), v->now.data);
             v->buffer_key = v->key;
         }
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, (GLuint)(SSFR_BIND_VALUES + j),
-                         v->now.same ? graph->neutral_buffers[r->slot] : v->buffer);
+                         neutral ? graph->neutral_buffers[r->slot] : v->buffer);
     }
 end:
     return result;
@@ -483,8 +484,9 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
     for (int k = 0; k < n->n_in; k++) {
         const resource *r = &graph->resources[n->in[k]];
         const bool values = ssfr_slot_is_particles(r->slot);
+        if (!ssfr_node_reads(n, k)) continue;
         if (values) report->bytes += values_bytes(&r->values);
-        if (values || !ssfr_node_reads(n, k)) continue;
+        if (values) continue;
         if (n->pass->taps == 0) report->taps++;
         report->bytes += channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * read_px(n, r, px);
     }

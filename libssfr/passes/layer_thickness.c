@@ -52,6 +52,12 @@ static int n_needed(const ssfr_run *run)
     return run->is_neutral[SSFR_LAYER_FOAM_DEPTH] && !(p->as_printed & PRINTED_B36) ? 1 : SSFR_N_LAYERS;
 }
 
+/* What is foam matters alone to what leaves it out. */
+static bool reads(const void *params, int port)
+{
+    return port != SSFR_LAYER_FOAM_SHARE || ((const layer_thickness_params *)params)->as_printed & PRINTED_B14;
+}
+
 static bool defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
 {
     const layer_thickness_params *p = run->params;
@@ -82,6 +88,7 @@ const ssfr_pass ssfr_layer_thickness = {
     .params = rows,
     .params_size = sizeof(layer_thickness_params),
     .coeffs_size = sizeof(ssfr_layer_thickness_coeffs),
+    .reads = reads,
     .derive = derive,
     .needed = ssfr_splat_needed,
     .needless = SSFR_SPLAT_NEEDLESS,

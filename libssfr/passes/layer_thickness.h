@@ -7,7 +7,7 @@
 
 enum { SSFR_LAYERS_CENTRE, SSFR_LAYERS_FRAGMENT };
 
-enum { SSFR_LAYER_FOAM_DEPTH = 1 }; /* the input after scene_depth */
+enum { SSFR_LAYER_FOAM_DEPTH = 1, SSFR_LAYER_FOAM_SHARE = 3 }; /* inputs; the latter: of each particle */
 enum { SSFR_LAYER_BEHIND, SSFR_LAYER_BEFORE, SSFR_N_LAYERS }; /* the outputs */
 
 typedef struct ssfr_layer_thickness_coeffs {
