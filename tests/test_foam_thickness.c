@@ -260,8 +260,8 @@ static void what_is_within_delta_foam_is_the_front(void **state)
     test_twin_give(t, "foam_depth", test_field_filled(W, H, 1, -2));
     test_twin_set(t, "noise", "constant");
     test_twin_set(t, "delta_foam", "0.08");
-    for (int i = 0; i < 14; i++) {
-        const double z = -1.9 - 0.0213 * i, one[1][3] = {{0.02, 0.01, z}};
+    for (int i = 0; i < 16; i++) {
+        const double z = i < 14 ? -1.9 - 0.0213 * i : i == 14 ? -2.0799 : -2.0801, one[1][3] = {{0.02, 0.01, z}};
         place(t, 1, one, radius, NULL, NULL);
         test_twin_set(t, "front", "centre");
         const ssfr_field *all = test_twin_run(t, "foam_thickness"), *front = test_twin_run(t, "foam_front");

@@ -172,6 +172,9 @@ static void scene_water_and_foam_hide_spray_where_they_are_before_it(void **stat
             assert_int_equal(n_changed(picture, seen, false), n_right);
             test_twin_give(t, ports[port], half_before(z0 - 0.01));
             assert_true(test_same_bits(draw(t, 1, middle, NULL), open));
+            test_twin_give(t, ports[port], half_before(z0 + 0.5 * radius)); /* of its ball the cap is before that */
+            const int n_cap = n_changed(picture, draw(t, 1, middle, NULL), true);
+            assert_close(n_cap, (hides ? 0.75 : 1) * n_left, 0, hides ? 0.08 : 0);
         }
 }
 
