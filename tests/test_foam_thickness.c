@@ -323,6 +323,17 @@ static void the_front_is_a_part_of_all(void **state)
         }
 }
 
+/* It stands in two passes, of which one divides by it what the other adds up. */
+static void delta_foam_is_that_of_the_composite(void **state)
+{
+    ssfr_graph *graph = NULL;
+    (void)state;
+    assert_int_equal(ssfr_graph_create(&graph, ssfr_pipeline_find("bagar2010"), NULL), SSFR_OK);
+    assert_true(ssfr_graph_row(graph, "foam_thickness.delta_foam")->def ==
+                ssfr_graph_row(graph, "layer_composite.delta_foam")->def);
+    ssfr_graph_destroy(&graph);
+}
+
 /* ---- extremes ---------------------------------------------------------------------------------------------------- */
 
 static void lifetimes_of_any_kind_have_a_pattern(void **state)
@@ -437,6 +448,7 @@ int main(void)
         TEST_TWINS(particles_have_patterns_by_their_ids_or_by_their_lifetimes_alone),
         TEST_TWINS(what_is_within_delta_foam_is_the_front),
         TEST_TWINS(the_front_is_a_part_of_all),
+        cmocka_unit_test(delta_foam_is_that_of_the_composite),
         TEST_TWINS(lifetimes_of_any_kind_have_a_pattern),
         TEST_TWINS(particles_without_a_size_are_not_drawn),
         TEST_TWINS(foam_thickness_is_not_needed_without_foam),

@@ -141,6 +141,8 @@ static const char *const variants[][5] = {
     {"layer_composite.border=never", "downsample.factor=1", "layer_composite.as_printed=B28", NULL},
     {"shadow.kind=map", NULL},
     {"shadow.kind=ray", NULL},
+    {"shadow.foam=off", "spray.occlusion=surface", NULL},
+    {"shadow.foam=without_water", "foam_thickness.storage=half", "layer_thickness.as_printed=B14", NULL},
     {"shadow_map.off=1", NULL},
     {"shadow.kind=map", "shadow_map.off=1", NULL},
     {"light.elevation_deg=-30", "shadow_basis.terms=16", NULL},
@@ -361,6 +363,33 @@ static void an_input_that_is_not_read_runs_nothing(void **state)
     test_scene_destroy(&s);
 }
 
+/* Spray that the surface does not hide asks for no surface, nor for foam that nobody else asks for. */
+static void spray_asks_for_the_surface_where_that_hides_it(void **state)
+{
+    static const char *const names[] = {"upsample", "foam_depth", "spray"};
+    static const struct {
+        const char *settings[5], *expected;
+    } cases[] = {
+        {{NULL}, "URR"},
+        {{"spray.occlusion=surface", NULL}, "RRR"},
+        {{"layer_composite.off=1", NULL}, "UUR"},
+        {{"layer_composite.off=1", "spray.occlusion=surface", NULL}, "RRR"},
+    };
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    block_that_foams(&s);
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_graph *graph = test_graph(ssfr_pipeline_find("bagar2010"), gl);
+        test_graph_set(graph, cases[i].settings);
+        assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+        for (size_t k = 0; k < SSFR_COUNT(names); k++)
+            if ("ROUNG"[test_graph_node(graph, names[k])->status] != cases[i].expected[k])
+                fail_msg("case %zu: %s is not %c", i, names[k], cases[i].expected[k]);
+        ssfr_graph_destroy(&graph);
+    }
+    test_scene_destroy(&s);
+}
+
 /* What is optional is left out of the program, too. */
 static void a_picture_is_the_same_whether_its_border_is_wanted(void **state)
 {
@@ -424,6 +453,7 @@ int main(void)
         ON_BOTH(water_of_which_nothing_is_known_is_drawn_as_without_foam),
         ON_BOTH(what_is_left_out_is_what_is_not_needed),
         ON_BOTH(an_input_that_is_not_read_runs_nothing),
+        ON_BOTH(spray_asks_for_the_surface_where_that_hides_it),
         ON_BOTH(a_picture_is_the_same_whether_its_border_is_wanted),
         ON_BOTH(who_wants_depth_alone_pays_for_no_compositing),
         ON_BOTH(keeping_all_runs_all_on_every_tile),

@@ -651,6 +651,21 @@ static void split_refuses_values_out_of_range(void **state)
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(p.t->graph, &p.t->scene, NULL), "smooth_depth: 5 x 5 pixels given");
 }
 
+/* Water alone, all behind the foam or all before it: clear, it refracts alike. */
+static void water_that_is_all_before_the_foam_has_its_surface(void **state)
+{
+    const pool p = begin(state, 2);
+    for (int j = 0; j < p.low->h; j++)
+        for (int i = 0; i < p.low->w; i++) *ssfr_field_at(p.low, i, j) = -3 + 0.02 * i - 0.013 * j;
+    ssfr_field *behind = test_field(W, H, 3);
+    memcpy(behind->data, run(&p, "color")->data, 3 * sizeof *behind->data * W * H);
+    assert_true(test_difference(behind, p.scene) > 1000 * p.t->eps);
+    test_twin_give(p.t, "thickness_back", NULL);
+    test_twin_give(p.t, "thickness_front", p.back);
+    const ssfr_field *before = test_twin_run(p.t, "color");
+    assert_true(test_difference(before, behind) <= 16 * W * p.t->eps);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -666,6 +681,7 @@ int main(void)
         TEST_TWINS(colours_of_four_pixels_are_interpolated),
         TEST_TWINS(b28_shifts_colours_by_half_a_pixel_of_the_depth),
         TEST_TWINS(at_full_resolution_a_border_has_its_own_colour),
+        TEST_TWINS(water_that_is_all_before_the_foam_has_its_surface),
         TEST_TWINS(a_pixel_that_stands_alone_faces_the_eye),
         TEST_TWINS(what_is_no_surface_makes_a_border_and_no_number_that_is_none),
         TEST_TWINS(water_without_a_depth_only_attenuates),
