@@ -168,7 +168,8 @@ end:
 }
 
 /* A corner that this GPU does not support is no disagreement. */
-static ssfr_result compare(check *c, const ssfr_pass *pass, const ssfr_stage *stage, const char *corner)
+static ssfr_result compare(check *c, const ssfr_pass *pass, const ssfr_twins *twins, const ssfr_stage *stage,
+                           const char *corner)
 {
     ssfr_result result = SSFR_OK;
     const char *settings[MAX_SETTINGS];
@@ -177,7 +178,7 @@ static ssfr_result compare(check *c, const ssfr_pass *pass, const ssfr_stage *st
     int n = 0;
     collect_settings(c, pass, corner, settings);
     ssfr_capture_begin("check");
-    result = ssfr_twins_compare(pass, &stage->scene, c->gl, settings, outputs, &n);
+    result = ssfr_twins_compare(twins, settings, outputs, &n);
     ssfr_capture_end(error);
     if (result == SSFR_ERR_UNSUPPORTED && corner[0]) {
         c->n_refused++;
@@ -200,6 +201,20 @@ end:
     return result;
 }
 
+/* At its defaults, and at its corners where they are asked for. */
+static ssfr_result check_pass(check *c, const ssfr_pass *pass, const ssfr_stage *stage)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_twins *twins = NULL;
+    char corner[CORNER_SIZE] = "";
+    SSFR_TRY(ssfr_twins_create(&twins, pass, &stage->scene, c->gl, NULL));
+    for (int k = 0; ssfr_corner_at(pass, k, corner, sizeof corner) && (k == 0 || c->o->corners); k++)
+        SSFR_TRY(compare(c, pass, twins, stage, corner));
+end:
+    ssfr_twins_destroy(&twins);
+    return result;
+}
+
 /* All passes, or the one named, on one scene. */
 static ssfr_result check_scene(check *c, const char *scene, const ssfr_stage_options *options, size_t done,
                                size_t total)
@@ -209,11 +224,9 @@ static ssfr_result check_scene(check *c, const char *scene, const ssfr_stage_opt
     SSFR_TRY(ssfr_stage_create(&stage, scene, options));
     for (int i = 0; ssfr_pass_at(i); i++) {
         const ssfr_pass *pass = ssfr_pass_at(i);
-        char corner[CORNER_SIZE] = "";
         if ((c->only && pass != c->only) || pass->particles_run) continue; /* these have one form for both */
         ssfr_console_progress("check", done++, total);
-        for (int k = 0; ssfr_corner_at(pass, k, corner, sizeof corner) && (k == 0 || c->o->corners); k++)
-            SSFR_TRY(compare(c, pass, stage, corner));
+        SSFR_TRY(check_pass(c, pass, stage));
     }
 end:
     ssfr_stage_destroy(&stage);

@@ -9,7 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MAX_FILE = 1 << 30 }; /* bytes of a table that is read back */
+enum { MAX_FILE = 1 << 30 /* bytes of a table that is read back */,
+       KEEP = 1 /* s: rows that come quicker are waited for together, which takes as long as for one */ };
 
 /* ---- reading: cells are unquoted in place, so each ends no later than it began ----------------------------------- */
 
@@ -200,6 +201,8 @@ struct ssfr_csv {
     char *path; /* for messages */
     int fd;
     bool regular; /* a file, not a pipe or a terminal */
+    bool written; /* since it was last waited for */
+    double kept;  /* s, on ssfr_clock: when all of it was last on the disk */
     int n_columns, n_keys;
     int n_cells; /* of the row in progress */
     char *row;
@@ -245,6 +248,15 @@ ssfr_result ssfr_csv_number(ssfr_csv *csv, double value)
     return ssfr_csv_text(csv, isnan(value) ? "NaN" : text);
 }
 
+/* Waits until the rows are on the disk. */
+static bool keep(ssfr_csv *csv)
+{
+    const bool ok = !csv->written || fsync(csv->fd) == 0;
+    csv->written = false;
+    csv->kept = ssfr_clock();
+    return ok;
+}
+
 /* A row that does not fit on the disk is taken back, so that the file ends in a complete line. */
 static ssfr_result write_row(ssfr_csv *csv)
 {
@@ -256,7 +268,8 @@ static ssfr_result write_row(ssfr_csv *csv)
         n = write(csv->fd, csv->row + done, csv->used - done);
         if (n > 0) done += (size_t)n;
     }
-    if (done == csv->used && (!csv->regular || fsync(csv->fd) == 0)) return SSFR_OK;
+    csv->written = csv->regular;
+    if (done == csv->used && (ssfr_clock() < csv->kept + KEEP || keep(csv))) return SSFR_OK;
     const int code = errno;
     if (csv->regular && ftruncate(csv->fd, end) != 0)
         ssfr_log(SSFR_WARNING, "%s: a torn line stays at its end: %s", csv->path, strerror(errno));
@@ -346,6 +359,7 @@ end:
 void ssfr_csv_destroy(ssfr_csv **csv)
 {
     if (*csv) {
+        if (!keep(*csv)) ssfr_log(SSFR_WARNING, "%s: %s", (*csv)->path, strerror(errno));
         if ((*csv)->fd > STDERR_FILENO) close((*csv)->fd);
         ssfr_csv_table_destroy(&(*csv)->before);
         free((*csv)->row);

@@ -51,7 +51,8 @@ bool ssfr_csv_resumed(const ssfr_csv *csv);
 /* The next cell. Numbers have up to 9 significant digits, or are NaN, inf, -inf. */
 SSFR_MUST ssfr_result ssfr_csv_text(ssfr_csv *csv, const char *text);
 SSFR_MUST ssfr_result ssfr_csv_number(ssfr_csv *csv, double value);
-/* Writes the row, in one piece, and waits until it is on the disk. */
+/* Writes the row, in one piece. Where the last wait for the disk was a second ago, it waits until all rows are on it;
+ * ssfr_csv_destroy does for the last ones. */
 SSFR_MUST ssfr_result ssfr_csv_end_row(ssfr_csv *csv);
 
 #endif

@@ -47,6 +47,8 @@ trap 'exit 2' INT TERM
 
 # Threads that spin while they wait cost tenfold where other programs want the cores.
 export OMP_WAIT_POLICY="${OMP_WAIT_POLICY:-passive}"
+# So do the threads of a software rasteriser, beside as many tests as there are cores.
+export LP_NUM_THREADS="${LP_NUM_THREADS:-1}"
 if [ -n "$SAN" ]; then
     # The leak scan crashes in thread-local memory of a GL driver that was loaded after OpenMP's threads began.
     export ASAN_OPTIONS="intercept_tls_get_addr=0:detect_leaks=1:allocator_may_return_null=1:$ASAN_OPTIONS"

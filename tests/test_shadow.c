@@ -457,22 +457,26 @@ static void the_twins_agree_with_solids_of_all_shapes(void **state)
         const char *pass, *setting;
     } cases[] = {{"shadow_map", "size=200"}, {"shadow_basis", "terms=5"},       {"shadow", "kind=map"},
                  {"shadow", "kind=ray"},     {"shadow", "kind=convolution"}};
+    static const char *const inputs[] = {"shadow_map.size=200", NULL};
     test_scene s;
     test_scene_create_usual(&s, 90, 60);
     test_scene_add_shapes(&s);
     for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        ssfr_twins *twins = NULL;
         ssfr_twins_row row[SSFR_MAX_OUTPUTS] = {0};
         const char *const settings[] = {cases[i].setting, NULL};
         double least = INFINITY, most = -INFINITY;
         int n = 0;
-        assert_int_equal(ssfr_twins_compare(ssfr_pass_find(cases[i].pass), &s.scene,
-                                            test_twin_create(state, "shadow", 8, 8)->gl, settings, row, &n), SSFR_OK);
+        assert_int_equal(ssfr_twins_create(&twins, ssfr_pass_find(cases[i].pass), &s.scene,
+                                           test_twin_create(state, "shadow", 8, 8)->gl, inputs), SSFR_OK);
+        assert_int_equal(ssfr_twins_compare(twins, settings, row, &n), SSFR_OK);
         assert_int_equal(n, 1);
         if (!row[0].ok) fail_msg("%s: outside %g of the values", cases[i].setting, row[0].outliers);
         for (int k = 0; k < row[0].reference->w * row[0].reference->h; k++)
             least = fmin(least, row[0].reference->data[k]), most = fmax(most, row[0].reference->data[k]);
         assert_true(least < most);
         ssfr_twins_finish(row, n);
+        ssfr_twins_destroy(&twins);
     }
     test_scene_destroy(&s);
 }

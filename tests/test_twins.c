@@ -77,28 +77,41 @@ static ssfr_stage *stage_of(const char *scene)
 }
 
 /* Compares one pass at one corner; each output that is outside its tolerance is printed. */
-static int count_failures(const ssfr_pass *pass, const ssfr_stage *stage, const char *corner, ssfr_gl *gl)
+static int count_failures(const ssfr_twins *twins, const char *pass, const char *scene, const char *corner)
 {
     ssfr_twins_row rows[SSFR_MAX_OUTPUTS] = {0};
     const char *const settings[] = {corner[0] ? corner : NULL, NULL};
     int n = 0, n_failed = 0;
     test_clear_log();
-    const ssfr_result result = ssfr_twins_compare(pass, &stage->scene, gl, settings, rows, &n);
+    const ssfr_result result = ssfr_twins_compare(twins, settings, rows, &n);
     if (result == SSFR_ERR_UNSUPPORTED && corner[0]) return 0; /* a limit of this GPU, or what it is told to refuse */
     if (result != SSFR_OK) {
-        print_error("%s on %s with \"%s\": %s\n", ssfr_pass_name(pass), stage->name, corner, test_last_error());
+        print_error("%s on %s with \"%s\": %s\n", pass, scene, corner, test_last_error());
         n_failed = 1;
     }
     for (int i = 0; i < n; i++) {
         if (rows[i].ok) continue;
         print_error("%s.%s on %s with \"%s\": largest difference %.3g, outside %.3g + %.3g |cpu| %.3g of the values, "
                     "allowed %.3g, not finite %ld\n",
-                    ssfr_pass_name(pass), rows[i].output, stage->name, corner, rows[i].max_abs, rows[i].tolerance.abs,
-                    rows[i].tolerance.rel, rows[i].outliers, rows[i].tolerance.outliers, rows[i].n_nan);
+                    pass, rows[i].output, scene, corner, rows[i].max_abs, rows[i].tolerance.abs, rows[i].tolerance.rel,
+                    rows[i].outliers, rows[i].tolerance.outliers, rows[i].n_nan);
         n_failed++;
     }
     if (n == 0) n_failed++;
     ssfr_twins_finish(rows, n);
+    return n_failed;
+}
+
+/* At every corner; *n counts them. */
+static int count_failures_of(const ssfr_pass *pass, const ssfr_stage *stage, ssfr_gl *gl, int *n)
+{
+    char corner[CORNER_SIZE];
+    ssfr_twins *twins = NULL;
+    int n_failed = 0;
+    assert_int_equal(ssfr_twins_create(&twins, pass, &stage->scene, gl, NULL), SSFR_OK);
+    for (int k = 0; ssfr_corner_at(pass, k, corner, sizeof corner); k++, ++*n)
+        n_failed += count_failures(twins, ssfr_pass_name(pass), stage->name, corner);
+    ssfr_twins_destroy(&twins);
     return n_failed;
 }
 
@@ -109,12 +122,9 @@ static void the_twins_of_every_pass_agree_at_every_corner(void **state)
     int n_failed = 0, n = 0;
     for (size_t s = 0; s < SSFR_COUNT(scenes); s++) {
         ssfr_stage *stage = stage_of(scenes[s]);
-        for (int i = 0; ssfr_pass_at(i); i++) {
-            char corner[CORNER_SIZE];
-            if (ssfr_pass_at(i)->particles_run) continue; /* one form for both backends */
-            for (int k = 0; ssfr_corner_at(ssfr_pass_at(i), k, corner, sizeof corner); k++, n++)
-                n_failed += count_failures(ssfr_pass_at(i), stage, corner, gl);
-        }
+        for (int i = 0; ssfr_pass_at(i); i++)
+            if (!ssfr_pass_at(i)->particles_run) /* those have one form for both backends */
+                n_failed += count_failures_of(ssfr_pass_at(i), stage, gl, &n);
         ssfr_stage_destroy(&stage);
     }
     ssfr_gl_destroy(&gl);
@@ -127,14 +137,20 @@ static void a_setting_that_a_pass_does_not_have_is_refused(void **state)
     (void)state;
     ssfr_gl *gl = test_gl_or_skip();
     ssfr_stage *stage = stage_of("sphere");
+    ssfr_twins *twins = NULL;
     ssfr_twins_row rows[SSFR_MAX_OUTPUTS] = {0};
     const char *const unknown[] = {"speed=2.385", NULL}, *const wild[] = {"iterations=-1", NULL};
     const ssfr_pass *pass = ssfr_pass_find("curvature_flow");
     int n = 1;
-    assert_fails(SSFR_ERR_UNKNOWN, ssfr_twins_compare(pass, &stage->scene, gl, unknown, rows, &n), "speed");
+    assert_int_equal(ssfr_twins_create(&twins, pass, &stage->scene, gl, NULL), SSFR_OK);
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_twins_compare(twins, unknown, rows, &n), "speed");
     assert_int_equal(n, 0);
-    assert_fails(SSFR_ERR_VALUE, ssfr_twins_compare(pass, &stage->scene, gl, wild, rows, &n), "iterations=-1");
-    assert_fails(SSFR_ERR_UNSUPPORTED, ssfr_twins_compare(ssfr_pass_find("sparse"), &stage->scene, gl, NULL, rows, &n),
+    assert_fails(SSFR_ERR_VALUE, ssfr_twins_compare(twins, wild, rows, &n), "iterations=-1");
+    ssfr_twins_destroy(&twins);
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_twins_create(&twins, pass, &stage->scene, gl, unknown), "speed");
+    assert_null(twins);
+    assert_fails(SSFR_ERR_UNSUPPORTED,
+                 ssfr_twins_create(&twins, ssfr_pass_find("sparse"), &stage->scene, gl, NULL),
                  "sparse: works on particles: it has no twin");
     ssfr_stage_destroy(&stage);
     ssfr_gl_destroy(&gl);

@@ -4,6 +4,14 @@
 
 #include "graph/internal.h"
 
+struct ssfr_twins {
+    const ssfr_pass *pass;
+    const ssfr_scene *scene;
+    ssfr_gl *gl;
+    ssfr_graph *source; /* the pipeline that has made the inputs */
+    const node *at;     /* the pass in it */
+};
+
 /* ---- the inputs that a pipeline makes ---------------------------------------------------------------------------- */
 
 static const node *find_node(const ssfr_graph *graph, const ssfr_pass *pass)
@@ -24,21 +32,59 @@ static bool has_pass(const ssfr_pipeline *pipeline, const ssfr_pass *pass)
     return has;
 }
 
-static ssfr_result make_inputs(const ssfr_pass *pass, const ssfr_scene *scene, ssfr_graph **out, const node **at)
+/* settings: "param=value" of `node`, or "node.param=value" where that is NULL. */
+static ssfr_result apply(ssfr_graph *graph, const char *node, const char *const *settings)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; settings && settings[i] && result == SSFR_OK; i++) {
+        char key[128];
+        const size_t length = strcspn(settings[i], "=");
+        snprintf(key, sizeof key, "%s%s%.*s", node ? node : "", node ? "." : "", (int)length, settings[i]);
+        result = ssfr_graph_set(graph, key, settings[i] + length + (settings[i][length] == '='));
+    }
+    return result;
+}
+
+static ssfr_result make_inputs(ssfr_twins *t, const char *const *settings)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_pipeline *pipeline = NULL;
     for (int i = 0; ssfr_pipeline_at(i) && !pipeline; i++)
-        if (has_pass(ssfr_pipeline_at(i), pass)) pipeline = ssfr_pipeline_at(i);
-    *out = NULL;
-    if (!pipeline) return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no pipeline has this pass", pass->name);
-    SSFR_TRY(ssfr_graph_create(out, pipeline, NULL));
-    *at = find_node(*out, pass);
-    for (int i = 0; i < (*out)->n_resources; i++) (*out)->resources[i].asked = false;
-    for (int k = 0; k < (*at)->n_in; k++) (*out)->resources[(*at)->in[k]].asked = true;
-    SSFR_TRY(ssfr_graph_run(*out, scene, NULL));
+        if (has_pass(ssfr_pipeline_at(i), t->pass)) pipeline = ssfr_pipeline_at(i);
+    if (!pipeline) return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no pipeline has this pass", t->pass->name);
+    SSFR_TRY(ssfr_graph_create(&t->source, pipeline, NULL));
+    SSFR_TRY(apply(t->source, NULL, settings));
+    t->at = find_node(t->source, t->pass);
+    for (int i = 0; i < t->source->n_resources; i++) t->source->resources[i].asked = false;
+    for (int k = 0; k < t->at->n_in; k++) t->source->resources[t->at->in[k]].asked = true;
+    SSFR_TRY(ssfr_graph_run(t->source, t->scene, NULL));
 end:
     return result;
+}
+
+ssfr_result ssfr_twins_create(ssfr_twins **out, const ssfr_pass *pass, const ssfr_scene *scene, ssfr_gl *gl,
+                              const char *const *inputs)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_twins *t = NULL;
+    *out = NULL;
+    if (pass->particles_run)
+        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: works on particles: it has no twin", pass->name);
+    SSFR_TRY(ssfr_alloc(&t, 1, sizeof *t, "twins"));
+    *t = (ssfr_twins){.pass = pass, .scene = scene, .gl = gl};
+    SSFR_TRY(make_inputs(t, inputs));
+    *out = t;
+    t = NULL;
+end:
+    ssfr_twins_destroy(&t);
+    return result;
+}
+
+void ssfr_twins_destroy(ssfr_twins **twins)
+{
+    if (*twins) ssfr_graph_destroy(&(*twins)->source);
+    free(*twins);
+    *twins = NULL;
 }
 
 /* ---- one twin by itself ------------------------------------------------------------------------------------------ */
@@ -52,18 +98,6 @@ static ssfr_result import_rounded(ssfr_graph *single, const char *port, const ss
     SSFR_TRY(ssfr_graph_import(single, port, rounded));
 end:
     ssfr_field_destroy(&rounded);
-    return result;
-}
-
-static ssfr_result apply(ssfr_graph *single, const char *const *settings)
-{
-    ssfr_result result = SSFR_OK;
-    for (int i = 0; settings && settings[i] && result == SSFR_OK; i++) {
-        char key[128];
-        const size_t length = strcspn(settings[i], "=");
-        snprintf(key, sizeof key, "%s.%.*s", single->nodes[0].name, (int)length, settings[i]);
-        result = ssfr_graph_set(single, key, settings[i] + length + (settings[i][length] == '='));
-    }
     return result;
 }
 
@@ -93,19 +127,18 @@ ssfr_tolerance ssfr_twins_tolerance(const ssfr_pass *pass, const ssfr_run *run)
 }
 
 /* Runs the pass alone, whatever its `needed` says, and gives its outputs and how far they may part. */
-static ssfr_result run_twin(const ssfr_pass *pass, ssfr_gl *gl, const ssfr_scene *scene, const ssfr_graph *source,
-                            const node *at, const char *const *settings, ssfr_field **outputs,
+static ssfr_result run_twin(const ssfr_twins *t, ssfr_gl *gl, const char *const *settings, ssfr_field **outputs,
                             ssfr_tolerance *tolerance)
 {
     ssfr_result result = SSFR_OK;
     ssfr_graph *single = NULL;
-    SSFR_TRY(ssfr_graph_create_for_pass(&single, pass, gl));
-    SSFR_TRY(apply(single, settings));
-    for (int k = 0; k < at->n_in; k++) SSFR_TRY(give_input(single, source, at, k));
+    SSFR_TRY(ssfr_graph_create_for_pass(&single, t->pass, gl));
+    SSFR_TRY(apply(single, single->nodes[0].name, settings));
+    for (int k = 0; k < t->at->n_in; k++) SSFR_TRY(give_input(single, t->source, t->at, k));
     ssfr_graph_want_all(single, true);
-    SSFR_TRY(ssfr_graph_run(single, scene, &(ssfr_run_options){.keep_all = true}));
-    for (int k = 0; k < at->n_out; k++) SSFR_TRY(ssfr_graph_read(single, pass->outputs[k].name, &outputs[k]));
-    *tolerance = ssfr_twins_tolerance(pass, &single->nodes[0].run);
+    SSFR_TRY(ssfr_graph_run(single, t->scene, &(ssfr_run_options){.keep_all = true}));
+    for (int k = 0; k < t->at->n_out; k++) SSFR_TRY(ssfr_graph_read(single, t->pass->outputs[k].name, &outputs[k]));
+    *tolerance = ssfr_twins_tolerance(t->pass, &single->nodes[0].run);
 end:
     ssfr_graph_destroy(&single);
     return result;
@@ -130,30 +163,24 @@ static void compare(ssfr_twins_row *row)
     row->ok = row->n_nan == 0 && row->outliers <= row->tolerance.outliers;
 }
 
-ssfr_result ssfr_twins_compare(const ssfr_pass *pass, const ssfr_scene *scene, ssfr_gl *gl, const char *const *settings,
+ssfr_result ssfr_twins_compare(const ssfr_twins *twins, const char *const *settings,
                                ssfr_twins_row rows[SSFR_MAX_OUTPUTS], int *n_rows)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_graph *source = NULL;
-    const node *at = NULL;
     ssfr_tolerance tolerance;
     ssfr_field *cpu[SSFR_MAX_OUTPUTS] = {0}, *gpu[SSFR_MAX_OUTPUTS] = {0};
     *n_rows = 0;
-    if (pass->particles_run)
-        return ssfr_fail(SSFR_ERR_UNSUPPORTED, "%s: works on particles: it has no twin", pass->name);
-    SSFR_TRY(make_inputs(pass, scene, &source, &at));
-    SSFR_TRY(run_twin(pass, NULL, scene, source, at, settings, cpu, &tolerance));
-    SSFR_TRY(run_twin(pass, gl, scene, source, at, settings, gpu, &tolerance));
-    for (int k = 0; k < at->n_out; k++) {
-        rows[k] = (ssfr_twins_row){.output = pass->outputs[k].name, .tolerance = tolerance, .reference = cpu[k],
-                                   .measured = gpu[k]};
+    SSFR_TRY(run_twin(twins, NULL, settings, cpu, &tolerance));
+    SSFR_TRY(run_twin(twins, twins->gl, settings, gpu, &tolerance));
+    for (int k = 0; k < twins->at->n_out; k++) {
+        rows[k] = (ssfr_twins_row){.output = twins->pass->outputs[k].name, .tolerance = tolerance,
+                                   .reference = cpu[k], .measured = gpu[k]};
         cpu[k] = gpu[k] = NULL;
         compare(&rows[k]);
         ++*n_rows;
     }
 end:
     for (int k = 0; k < SSFR_MAX_OUTPUTS; k++) ssfr_field_destroy(&cpu[k]), ssfr_field_destroy(&gpu[k]);
-    ssfr_graph_destroy(&source);
     return result;
 }
 
