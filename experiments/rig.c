@@ -381,6 +381,7 @@ static ssfr_result measure(ssfr_rig *rig, cached *c, ssfr_graph *graph, const si
     c->measured = measured[0];
     measured[0] = NULL;
     SSFR_TRY(ssfr_shot_want(graph, pipeline, true));
+    if (pair) SSFR_TRY(ssfr_shot_want(subjects[1].graph, rig->base.outfit.pipeline, true));
 end:
     ssfr_measured_destroy(&measured[0]);
     ssfr_measured_destroy(&measured[1]);

@@ -402,6 +402,24 @@ static void a_row_is_held_against_another(void **state)
     end(&f);
 }
 
+/* Normals, which no picture of layers needs, are not asked for while times are measured; afterwards they are again. */
+static void what_no_picture_needs_is_compared_of_the_other_row_too(void **state)
+{
+    (void)state;
+    static const char yaml[] = "{pipeline: bagar2010, scene: block, size: 64x48, backend: cpu, variants: {base: {}, few: "
+                               "{set: {adaptive_flow.iterations: 1}}}, against: {variant: base}, added: "
+                               "[ref_normal_mean_deg], reference: {sphere_depth.splat: exact}}";
+    static const char *const none[] = {NULL};
+    fixture f;
+    ssfr_rig_row base, few;
+    begin_yaml(&f, NULL, yaml, none, false);
+    run_row(&f, 0, &base);
+    run_row(&f, 1, &few);
+    assert_close(base.added[0], 0, 0, 0);
+    assert_true(isfinite(few.added[0]) && few.added[0] != 0);
+    end(&f);
+}
+
 static void without_another_row_nothing_is_saved_or_added(void **state)
 {
     (void)state;
@@ -607,6 +625,7 @@ int main(void)
         cmocka_unit_test(what_cannot_be_held_against_each_other_is_refused),
         cmocka_unit_test(variants_leave_nothing_to_each_other),
         cmocka_unit_test(a_row_is_held_against_another),
+        cmocka_unit_test(what_no_picture_needs_is_compared_of_the_other_row_too),
         cmocka_unit_test(without_another_row_nothing_is_saved_or_added),
         cmocka_unit_test(leaving_out_is_an_axis_and_changes_no_bit),
         cmocka_unit_test(smoothing_that_is_not_stable_is_not_bounded),
