@@ -47,6 +47,7 @@ typedef struct ssfr_stage {
     long *frames;             /* the numbers of those there are, or can be made, rising; n_frames 0: only one picture */
     long frame;               /* shown now; -1 when there is only one */
     double time;              /* s, of a described scene; else NaN */
+    double simulation_ms;     /* wall time that the simulation of the frame took; NaN: not known */
     ssfr_particles *particles;
     ssfr_particles *foam;     /* diffuse particles of the frame; NULL for none */
     ssfr_solid solids[SSFR_MAX_SOLIDS];
