@@ -209,31 +209,23 @@ const ssfr_truth_params *ssfr_rig_truth(const ssfr_rig *rig)
 
 /* ---- the stage of a run ------------------------------------------------------------------------------------------ */
 
-/* When the camera is in that view, s: from its first key to its last. */
-static ssfr_result find_time(const ssfr_rig *rig, const ssfr_stage_options *options, const char *view, double *time)
-{
-    ssfr_result result = SSFR_OK;
-    const size_t n = rig->o->spec->path.views;
-    const ssfr_view *path;
-    SSFR_TRY(ssfr_stage_find_view(rig->stage, options, &path));
-    const double share = n > 1 ? strtod(view, NULL) / (double)(n - 1) : 0;
-    *time = ssfr_mix(path->keys[0].time, path->keys[path->n_keys - 1].time, share);
-end:
-    return result;
-}
-
 /* What the axes say of it; the scene must be open. */
 static ssfr_result find_options(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], ssfr_stage_options *out)
 {
     ssfr_result result = SSFR_OK;
     const char *camera = value_of(rig, index, "camera"), *frame = value_of(rig, index, "frame"),
                *view = value_of(rig, index, "view");
+    const ssfr_path_spec *spec = &rig->o->spec->path;
+    const bool follow = spec->frames == SSFR_PATH_FOLLOW;
+    const ssfr_view *path;
     *out = rig->o->stage;
     ssfr_rig_size(value_of(rig, index, "size"), out->size);
     if (camera) out->camera = camera;
     if (frame) out->frame = strtol(frame, NULL, 10);
-    if (view) SSFR_TRY(find_time(rig, out, view, &out->camera_time));
-    if (view && rig->o->spec->path.frames == SSFR_PATH_FOLLOW) out->time = out->camera_time;
+    if (!view) goto end;
+    SSFR_TRY(ssfr_stage_find_path(rig->stage, out, follow, &path));
+    out->camera_time = ssfr_stage_view_time(path, (size_t)strtod(view, NULL), spec->views);
+    if (follow) out->time = out->camera_time;
 end:
     return result;
 }
@@ -254,15 +246,10 @@ static ssfr_result set_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
     ssfr_result result = SSFR_OK;
     ssfr_stage_options options;
-    long frame;
     rig->camera_time = NAN;
     SSFR_TRY(open_scene(rig, value_of(rig, index, "scene")));
     SSFR_TRY(find_options(rig, index, &options));
-    SSFR_TRY(ssfr_stage_find_frame(rig->stage, &options, &frame));
-    if (rig->stage->particles && (frame < 0 || frame == rig->stage->frame))
-        SSFR_TRY(ssfr_stage_aim(rig->stage, &options));
-    else
-        SSFR_TRY(ssfr_stage_show(rig->stage, &options, frame));
+    SSFR_TRY(ssfr_stage_turn(rig->stage, &options));
     rig->camera_time = options.camera_time;
     SSFR_TRY(sit(rig, &rig->own, index));
     SSFR_TRY(ssfr_rig_truth_params(&rig->truth, rig->o->spec, rig->own.outfit.variant, rig->stage->description));

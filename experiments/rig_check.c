@@ -187,19 +187,6 @@ end:
 
 /* ---- cameras and their paths ------------------------------------------------------------------------------------- */
 
-static ssfr_result check_path(const ssfr_sweep_spec *spec, const ssfr_stage *stage, const ssfr_view *view)
-{
-    const ssfr_description *d = stage->description;
-    if (!view || view->n_keys < 2)
-        return ssfr_fail(SSFR_ERR_VALUE, "path: %s: %s%s", stage->name, view ? view->name : "there is no camera",
-                         view ? ": the camera has no path" : "");
-    const double last = view->keys[view->n_keys - 1].time;
-    if (spec->path.frames == SSFR_PATH_FOLLOW && lround(last * d->frame_rate) >= d->n_frames)
-        return ssfr_fail(SSFR_ERR_VALUE, "path: %s: %s goes on to %g s, which no frame shows", stage->name, view->name,
-                         last);
-    return SSFR_OK;
-}
-
 static ssfr_result check_view(const ssfr_sweep_spec *spec, const ssfr_stage_options *stage_options,
                               const size_t index[SSFR_MAX_AXES])
 {
@@ -213,8 +200,8 @@ static ssfr_result check_view(const ssfr_sweep_spec *spec, const ssfr_stage_opti
     if (!camera && !views) return SSFR_OK;
     ssfr_log_about(views ? views->where : ssfr_sweep_spec_where(spec, index, "camera"));
     SSFR_TRY(ssfr_stage_open(&stage, ssfr_sweep_spec_value(spec, index, "scene"), &options));
-    SSFR_TRY(ssfr_stage_find_view(stage, &options, &view));
-    if (views) SSFR_TRY(check_path(spec, stage, view));
+    SSFR_TRY(views ? ssfr_stage_find_path(stage, &options, spec->path.frames == SSFR_PATH_FOLLOW, &view)
+                   : ssfr_stage_find_view(stage, &options, &view));
 end:
     ssfr_log_about(NULL);
     ssfr_stage_destroy(&stage);

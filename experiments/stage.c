@@ -253,6 +253,19 @@ end:
     return result;
 }
 
+ssfr_result ssfr_stage_turn(ssfr_stage *stage, const ssfr_stage_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    long frame;
+    SSFR_TRY(ssfr_stage_find_frame(stage, options, &frame));
+    if (stage->particles && (frame < 0 || frame == stage->frame))
+        SSFR_TRY(ssfr_stage_aim(stage, options));
+    else
+        SSFR_TRY(ssfr_stage_show(stage, options, frame));
+end:
+    return result;
+}
+
 ssfr_result ssfr_stage_hold(ssfr_stage *stage, const ssfr_stage_options *options, size_t n, const long *frames)
 {
     ssfr_result result = SSFR_OK;
