@@ -149,10 +149,12 @@ static ssfr_result mean_of(double *mean, const ssfr_graph *graph, ssfr_slot_id s
     ssfr_result result = SSFR_OK;
     const float *values;
     size_t n;
+    double sum = 0;
     *mean = 0;
     if (!ssfr_graph_has_slot(graph, slot)) return SSFR_OK;
     SSFR_TRY(ssfr_graph_read_values(graph, ssfr_slots[slot].name, &n, &values));
-    for (size_t i = 0; i < n; i++) *mean += count((double)values[i]) / (double)n;
+    for (size_t i = 0; i < n; i++) sum += count((double)values[i]);
+    if (n) *mean = sum / (double)n;
 end:
     return result;
 }
