@@ -297,7 +297,7 @@ static void packets_behind_the_eye_are_not_drawn_unless_asked_for(void **state)
         assert_int_equal(report->n_packets_seen, no_culling ? 7 : 0);
         assert_int_equal(report->n_particles, no_culling ? 432 : 0);
         assert_true(report->covered == no_culling);
-        assert_int_equal(test_graph_node(graph, "sphere_depth")->status, SSFR_NEEDLESS);
+        assert_int_not_equal(test_graph_node(graph, "sphere_depth")->status, SSFR_RAN);
     }
     ssfr_graph_destroy(&graph);
     test_scene_destroy(&s);
