@@ -318,7 +318,7 @@ static void each_frame_has_the_time_that_it_took(void **state)
     assert_int_equal(make(d, cache, 1), SSFR_OK);
     for (int i = 0; i < 2; i++) assert_true(ssfr_make_time(folder, i) > 0);
     assert_true(isnan(ssfr_make_time(folder, 2)));
-    snprintf(path, sizeof path, "%.400s/fluid_0000.ms", folder);
+    snprintf(path, sizeof path, "%.400s/time_0000.ms", folder);
     FILE *file = fopen(path, "w");
     assert_true(file && fputs("not a number", file) >= 0 && fclose(file) == 0);
     assert_true(isnan(ssfr_make_time(folder, 0)));

@@ -87,7 +87,7 @@ ssfr_result ssfr_make_path(const char *folder, int frame, bool foam, char **out)
 /* Beside the frame and not in it: files of the same particles have the same bytes. */
 static ssfr_result time_path(const char *folder, int frame, char **out)
 {
-    return frame_path(folder, "fluid", frame, ".ms", out);
+    return frame_path(folder, "time", frame, ".ms", out);
 }
 
 double ssfr_make_time(const char *folder, int frame)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* make.h: simulating a scene into frames on disk, once: the cache, resuming, progress.
  *
- *      $XDG_CACHE_HOME/ssfr/scenes/bagar2010-waterfall-quick-0f3a.../fluid_0000.h5, foam_0000.h5, fluid_0000.ms, ..., state.bin */
+ *      $XDG_CACHE_HOME/ssfr/scenes/bagar2010-waterfall-quick-0f3a.../fluid_0000.h5, foam_0000.h5, time_0000.ms, ...,
+ *      state.bin */
 #ifndef SSFR_MAKE_H
 #define SSFR_MAKE_H
 
