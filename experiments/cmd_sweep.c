@@ -17,7 +17,7 @@ typedef struct sweep_words {
 static const ssfr_option rows[] = {
     ROW(vary, "vary", 0, LIST, "AXIS",
         "KEY=A,B,C, KEY=LO:HI:STEP or 'KEY=LO:HI:N log'; a parameter, pipeline, variant, scene, camera, view, frame, "
-        "size, leave_out or backend; the last given runs fastest",
+        "size, leave_out, cull or backend; the last given runs fastest",
         0, 0),
     ROW(scene, "scene", 0, TEXT, "SCENE", "the scene (default splash)", 0, 0),
     ROW(pipeline, "pipeline", 'p', TEXT, "NAME", "what to render with (default vanderlaan2009)", 0, 0),

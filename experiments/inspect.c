@@ -4,7 +4,7 @@
 #include "experiments/frame_file.h"
 #include "experiments/hash.h"
 
-#include "graph/pass.h"
+#include "graph/graph.h"
 
 #include <inttypes.h>
 
@@ -124,13 +124,14 @@ static ssfr_result inspect_slot(ssfr_inspected *out, const ssfr_graph *graph, co
     return result;
 }
 
-ssfr_result ssfr_inspect_frame(ssfr_inspected *out, ssfr_graph *graph, const ssfr_scene *scene, bool keep_all)
+ssfr_result ssfr_inspect_frame(ssfr_inspected *out, ssfr_graph *graph, const ssfr_scene *scene,
+                               const ssfr_run_options *run)
 {
     ssfr_result result = SSFR_OK;
     ssfr_field *behind = NULL;
     *out = (ssfr_inspected){true, true};
     ssfr_graph_want_all(graph, true);
-    SSFR_TRY(ssfr_graph_run(graph, scene, &(ssfr_run_options){.keep_all = keep_all}));
+    SSFR_TRY(ssfr_graph_run(graph, scene, run));
     SSFR_TRY(ssfr_graph_read(graph, "scene_color", &behind));
     const ssfr_bounds bounds = ssfr_inspect_bounds(graph, scene, behind);
     for (int i = 0; ssfr_graph_slot_at(graph, i); i++)
@@ -138,6 +139,43 @@ ssfr_result ssfr_inspect_frame(ssfr_inspected *out, ssfr_graph *graph, const ssf
 end:
     ssfr_graph_want_all(graph, false);
     ssfr_field_destroy(&behind);
+    return result;
+}
+
+/* ---- values of particles ----------------------------------------------------------------------------------------- */
+
+static ssfr_result mean_of(double *mean, const ssfr_graph *graph, ssfr_slot_id slot, double (*count)(double))
+{
+    ssfr_result result = SSFR_OK;
+    const float *values;
+    size_t n;
+    double sum = 0;
+    *mean = 0;
+    if (!ssfr_graph_has_slot(graph, slot)) return SSFR_OK;
+    SSFR_TRY(ssfr_graph_read_values(graph, ssfr_slots[slot].name, &n, &values));
+    for (size_t i = 0; i < n; i++) sum += count((double)values[i]);
+    if (n) *mean = sum / (double)n;
+end:
+    return result;
+}
+
+static double itself(double value)
+{
+    return value;
+}
+
+static double is_positive(double value)
+{
+    return value > 0;
+}
+
+ssfr_result ssfr_inspect_foam(double *foam_share, double *spray_share, const ssfr_graph *graph)
+{
+    ssfr_result result = SSFR_OK;
+    *spray_share = 0;
+    SSFR_TRY(mean_of(foam_share, graph, SSFR_SLOT_foam, itself));
+    SSFR_TRY(mean_of(spray_share, graph, SSFR_SLOT_spray_size, is_positive));
+end:
     return result;
 }
 

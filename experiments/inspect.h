@@ -33,7 +33,11 @@ void ssfr_inspect_image(ssfr_inspected *inspected, const char *slot, const ssfr_
 
 /* Runs one more frame, with all images, and looks at each. What the graph was asked for stays as it was. */
 SSFR_MUST ssfr_result ssfr_inspect_frame(ssfr_inspected *out, ssfr_graph *graph, const ssfr_scene *scene,
-                                         bool keep_all);
+                                         const ssfr_run_options *run);
+
+/* Of the particles of the graph's last frame: the mean of their foam values, and the share that has a size as spray;
+ * 0 where the pipeline has no such values. */
+SSFR_MUST ssfr_result ssfr_inspect_foam(double *foam_share, double *spray_share, const ssfr_graph *graph);
 
 /* "surface_noise unwanted;noise_foam needless", cut where it does not fit. */
 void ssfr_inspect_left_out(int n, const ssfr_node_report *reports, char *text, size_t size);

@@ -79,7 +79,8 @@ typedef struct trial { /* subjects that are measured together */
 
 static ssfr_result run_subject(const trial *t, int k)
 {
-    const ssfr_run_options run = {.keep_all = t->subjects[k].keep_all, .timing = t->options->nodes};
+    ssfr_run_options run = t->subjects[k].run;
+    run.timing = t->options->nodes;
     return ssfr_graph_run(t->subjects[k].graph, t->scene, &run);
 }
 

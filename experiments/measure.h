@@ -39,7 +39,7 @@ void ssfr_measured_destroy(ssfr_measured **measured);
 
 typedef struct ssfr_subject {
     ssfr_graph *graph;
-    bool keep_all; /* leave nothing out */
+    ssfr_run_options run; /* `timing` is what the measurement says */
 } ssfr_subject;
 
 /* What two subjects' times differ by, run by run; NaN for one subject. */

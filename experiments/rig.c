@@ -15,7 +15,8 @@ typedef struct cached { /* a shot and the run that it belongs to */
     ssfr_measured *measured; /* NULL when it was run only once, to be looked at */
     ssfr_paired paired;      /* with the frame that it is held against */
     ssfr_inspected inspected;
-    double covered;
+    ssfr_report report;      /* its numbers: `nodes` is not kept */
+    double foam_share, spray_share;
     char left_out[SSFR_COLUMN_TEXT];
 } cached;
 
@@ -71,10 +72,16 @@ static const char *value_of(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXE
     return ssfr_sweep_spec_value(rig->o->spec, index, key);
 }
 
-static bool keeps_all(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+static bool is_false(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], const char *key)
 {
-    const char *text = value_of(rig, index, "leave_out");
+    const char *text = value_of(rig, index, key);
     return text && strcmp(text, "false") == 0;
+}
+
+static ssfr_run_options how_to_run(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
+{
+    return (ssfr_run_options){.keep_all = is_false(rig, index, "leave_out"),
+                              .no_culling = is_false(rig, index, "cull")};
 }
 
 /* ---- graphs ------------------------------------------------------------------------------------------------------ */
@@ -202,31 +209,23 @@ const ssfr_truth_params *ssfr_rig_truth(const ssfr_rig *rig)
 
 /* ---- the stage of a run ------------------------------------------------------------------------------------------ */
 
-/* When the camera is in that view, s: from its first key to its last. */
-static ssfr_result find_time(const ssfr_rig *rig, const ssfr_stage_options *options, const char *view, double *time)
-{
-    ssfr_result result = SSFR_OK;
-    const size_t n = rig->o->spec->path.views;
-    const ssfr_view *path;
-    SSFR_TRY(ssfr_stage_find_view(rig->stage, options, &path));
-    const double share = n > 1 ? strtod(view, NULL) / (double)(n - 1) : 0;
-    *time = ssfr_mix(path->keys[0].time, path->keys[path->n_keys - 1].time, share);
-end:
-    return result;
-}
-
 /* What the axes say of it; the scene must be open. */
 static ssfr_result find_options(const ssfr_rig *rig, const size_t index[SSFR_MAX_AXES], ssfr_stage_options *out)
 {
     ssfr_result result = SSFR_OK;
     const char *camera = value_of(rig, index, "camera"), *frame = value_of(rig, index, "frame"),
                *view = value_of(rig, index, "view");
+    const ssfr_path_spec *spec = &rig->o->spec->path;
+    const bool follow = spec->frames == SSFR_PATH_FOLLOW;
+    const ssfr_view *path;
     *out = rig->o->stage;
     ssfr_rig_size(value_of(rig, index, "size"), out->size);
     if (camera) out->camera = camera;
     if (frame) out->frame = strtol(frame, NULL, 10);
-    if (view) SSFR_TRY(find_time(rig, out, view, &out->camera_time));
-    if (view && rig->o->spec->path.frames == SSFR_PATH_FOLLOW) out->time = out->camera_time;
+    if (!view) goto end;
+    SSFR_TRY(ssfr_stage_find_path(rig->stage, out, follow, &path));
+    out->camera_time = ssfr_stage_view_time(path, (size_t)strtod(view, NULL), spec->views);
+    if (follow) out->time = out->camera_time;
 end:
     return result;
 }
@@ -247,15 +246,10 @@ static ssfr_result set_stage(ssfr_rig *rig, const size_t index[SSFR_MAX_AXES])
 {
     ssfr_result result = SSFR_OK;
     ssfr_stage_options options;
-    long frame;
     rig->camera_time = NAN;
     SSFR_TRY(open_scene(rig, value_of(rig, index, "scene")));
     SSFR_TRY(find_options(rig, index, &options));
-    SSFR_TRY(ssfr_stage_find_frame(rig->stage, &options, &frame));
-    if (rig->stage->particles && (frame < 0 || frame == rig->stage->frame))
-        SSFR_TRY(ssfr_stage_aim(rig->stage, &options));
-    else
-        SSFR_TRY(ssfr_stage_show(rig->stage, &options, frame));
+    SSFR_TRY(ssfr_stage_turn(rig->stage, &options));
     rig->camera_time = options.camera_time;
     SSFR_TRY(sit(rig, &rig->own, index));
     SSFR_TRY(ssfr_rig_truth_params(&rig->truth, rig->o->spec, rig->own.outfit.variant, rig->stage->description));
@@ -364,14 +358,14 @@ static ssfr_result measure(ssfr_rig *rig, cached *c, ssfr_graph *graph, const si
     ssfr_result result = SSFR_OK;
     const bool pair = rig->o->spec->against.cells.n > 0;
     ssfr_measured *measured[SSFR_MAX_SUBJECTS] = {NULL, NULL};
-    ssfr_subject subjects[SSFR_MAX_SUBJECTS] = {{graph, keeps_all(rig, index)}, {NULL, false}};
+    ssfr_subject subjects[SSFR_MAX_SUBJECTS] = {{graph, how_to_run(rig, index)}, {0}};
     const ssfr_pipeline *pipeline = rig->own.outfit.pipeline;
     size_t base[SSFR_MAX_AXES];
     SSFR_TRY(ssfr_shot_want(graph, pipeline, false));
     if (pair) {
         find_base(rig->o->spec, index, base);
         SSFR_TRY(sit(rig, &rig->base, base));
-        subjects[1] = (ssfr_subject){graph == rig->own.gl ? rig->base.gl : rig->base.cpu, keeps_all(rig, base)};
+        subjects[1] = (ssfr_subject){graph == rig->own.gl ? rig->base.gl : rig->base.cpu, how_to_run(rig, base)};
         SSFR_TRY(set_parameters(rig, subjects[1].graph, base));
         SSFR_TRY(ssfr_shot_want(subjects[1].graph, rig->base.outfit.pipeline, false));
         SSFR_TRY(ssfr_play(subjects[1].graph, rig->stage, &rig->o->stage, -1));
@@ -389,11 +383,15 @@ end:
 }
 
 /* After the shot is taken: the frame more, with all images, is another. */
-static ssfr_result inspect(const ssfr_rig *rig, cached *c, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES])
+static ssfr_result inspect(const ssfr_rig *rig, cached *c, ssfr_graph *graph, const ssfr_run_options *run)
 {
-    c->covered = ssfr_graph_report(graph)->covered;
+    ssfr_result result = SSFR_OK;
+    c->report = *ssfr_graph_report(graph);
     ssfr_inspect_left_out(c->measured->n_nodes, c->measured->reports, c->left_out, sizeof c->left_out);
-    return ssfr_inspect_frame(&c->inspected, graph, &rig->stage->scene, keeps_all(rig, index));
+    SSFR_TRY(ssfr_inspect_frame(&c->inspected, graph, &rig->stage->scene, run));
+    SSFR_TRY(ssfr_inspect_foam(&c->foam_share, &c->spray_share, graph));
+end:
+    return result;
 }
 
 /* The frame of a run by one of a seat's graphs, measured when asked for. */
@@ -402,7 +400,7 @@ static ssfr_result ensure_frame(ssfr_rig *rig, seat *s, bool on_gpu, const size_
     ssfr_result result = SSFR_OK;
     cached *c = on_gpu ? &s->frame : &s->twin;
     ssfr_graph *graph = on_gpu ? s->gl : s->cpu;
-    const ssfr_run_options run = {.keep_all = keeps_all(rig, index)};
+    const ssfr_run_options run = how_to_run(rig, index);
     if (holds(c, rig, index) && (c->measured || !measured)) return SSFR_OK;
     forget(c);
     SSFR_TRY(set_parameters(rig, graph, index));
@@ -410,7 +408,7 @@ static ssfr_result ensure_frame(ssfr_rig *rig, seat *s, bool on_gpu, const size_
     if (measured) SSFR_TRY(measure(rig, c, graph, index));
     SSFR_TRY(ssfr_graph_run(graph, &rig->stage->scene, &run));
     SSFR_TRY(take(rig, &c->shot, graph, s->outfit.pipeline));
-    if (measured) SSFR_TRY(inspect(rig, c, graph, index));
+    if (measured) SSFR_TRY(inspect(rig, c, graph, &run));
     hold(c, index);
 end:
     return result;
@@ -476,12 +474,18 @@ static ssfr_result put_frame(const ssfr_rig *rig, const cached *c, double bandwi
         row->values[SSFR_COLUMN_ms_saved] = c->paired.saved;
         row->values[SSFR_COLUMN_ms_ratio] = c->paired.ratio;
         row->values[SSFR_COLUMN_ms_ratio_mad] = c->paired.ratio_mad;
-        row->values[SSFR_COLUMN_covered] = c->covered;
+        row->values[SSFR_COLUMN_covered] = c->report.covered;
+        row->values[SSFR_COLUMN_packets] = c->report.n_packets;
+        row->values[SSFR_COLUMN_packets_seen] = c->report.n_packets_seen;
+        row->values[SSFR_COLUMN_particles_seen] = c->report.n_particles;
+        row->values[SSFR_COLUMN_foam_share] = c->foam_share;
+        row->values[SSFR_COLUMN_spray_share] = c->spray_share;
         row->values[SSFR_COLUMN_finite] = c->inspected.finite;
         row->values[SSFR_COLUMN_bounded] = c->inspected.bounded;
         memcpy(row->texts[SSFR_COLUMN_TEXT_left_out], c->left_out, sizeof c->left_out);
     }
     row->values[SSFR_COLUMN_camera_time] = rig->camera_time;
+    row->values[SSFR_COLUMN_simulation_ms] = rig->stage->simulation_ms;
     if (picture) ssfr_inspect_hash(picture, row->texts[SSFR_COLUMN_TEXT_color_hash]);
     return ssfr_shot_count_nan(&c->shot, row->values);
 }

@@ -134,8 +134,8 @@ static ssfr_result check_value(const ssfr_sweep_spec *spec, const char *where, c
                          SSFR_MAX_SIZE);
     if (strcmp(key, "backend") == 0 && strcmp(value, "gl") != 0 && strcmp(value, "cpu") != 0)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: backend %s: expected gl or cpu", where, value);
-    if (strcmp(key, "leave_out") == 0 && !ssfr_rig_flag(value, &flag))
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: leave_out %s: expected true or false", where, value);
+    if ((strcmp(key, "leave_out") == 0 || strcmp(key, "cull") == 0) && !ssfr_rig_flag(value, &flag))
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: %s %s: expected true or false", where, key, value);
     if (strcmp(key, "frame") == 0 && !is_index(value, SSFR_MAX_FRAME + 1))
         return ssfr_fail(SSFR_ERR_VALUE, "%s: frame %s: expected a whole number from 0", where, value);
     if (strcmp(key, "view") == 0 && !is_index(value, (long)spec->path.views))
@@ -187,19 +187,6 @@ end:
 
 /* ---- cameras and their paths ------------------------------------------------------------------------------------- */
 
-static ssfr_result check_path(const ssfr_sweep_spec *spec, const ssfr_stage *stage, const ssfr_view *view)
-{
-    const ssfr_description *d = stage->description;
-    if (!view || view->n_keys < 2)
-        return ssfr_fail(SSFR_ERR_VALUE, "path: %s: %s%s", stage->name, view ? view->name : "there is no camera",
-                         view ? ": the camera has no path" : "");
-    const double last = view->keys[view->n_keys - 1].time;
-    if (spec->path.frames == SSFR_PATH_FOLLOW && lround(last * d->frame_rate) >= d->n_frames)
-        return ssfr_fail(SSFR_ERR_VALUE, "path: %s: %s goes on to %g s, which no frame shows", stage->name, view->name,
-                         last);
-    return SSFR_OK;
-}
-
 static ssfr_result check_view(const ssfr_sweep_spec *spec, const ssfr_stage_options *stage_options,
                               const size_t index[SSFR_MAX_AXES])
 {
@@ -213,8 +200,8 @@ static ssfr_result check_view(const ssfr_sweep_spec *spec, const ssfr_stage_opti
     if (!camera && !views) return SSFR_OK;
     ssfr_log_about(views ? views->where : ssfr_sweep_spec_where(spec, index, "camera"));
     SSFR_TRY(ssfr_stage_open(&stage, ssfr_sweep_spec_value(spec, index, "scene"), &options));
-    SSFR_TRY(ssfr_stage_find_view(stage, &options, &view));
-    if (views) SSFR_TRY(check_path(spec, stage, view));
+    SSFR_TRY(views ? ssfr_stage_find_path(stage, &options, spec->path.frames == SSFR_PATH_FOLLOW, &view)
+                   : ssfr_stage_find_view(stage, &options, &view));
 end:
     ssfr_log_about(NULL);
     ssfr_stage_destroy(&stage);
@@ -254,15 +241,15 @@ static ssfr_result check_views(const ssfr_sweep_spec *spec, const ssfr_stage_opt
 /* Both rows are of one stage, on one backend: nothing else can be measured by turns. */
 static ssfr_result check_cell(const ssfr_sweep_spec *spec, const ssfr_setting *cell)
 {
-    static const char *const keys[] = {"pipeline", "variant", "leave_out"};
+    static const char *const keys[] = {"pipeline", "variant", "leave_out", "cull"};
     const ssfr_axis *axis = ssfr_sweep_spec_axis(spec, cell->key);
     bool fits = ssfr_axis_is_parameter(cell->key) && !is_for_truth(cell->key), found = false;
     for (size_t i = 0; i < SSFR_COUNT(keys); i++) fits |= strcmp(keys[i], cell->key) == 0;
     if (!axis) return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: against: %s is no axis of the sweep", cell->where, cell->key);
     if (!fits)
         return ssfr_fail(SSFR_ERR_VALUE,
-                         "%s: against: %s: only pipeline, variant, leave_out and parameters of passes can be held "
-                         "against each other",
+                         "%s: against: %s: only pipeline, variant, leave_out, cull and parameters of passes can be "
+                         "held against each other",
                          cell->where, cell->key);
     for (size_t i = 0; i < axis->n; i++) found |= strcmp(axis->values[i], cell->value) == 0;
     return found ? SSFR_OK

@@ -76,7 +76,7 @@ ssfr_result ssfr_stage_open(ssfr_stage **out, const char *scene, const ssfr_stag
     SSFR_TRY(ssfr_alloc(&stage->name, strlen(scene) + 1, 1, "a name"));
     strcpy(stage->name, scene);
     stage->frame = -1;
-    stage->time = NAN;
+    stage->time = stage->simulation_ms = NAN;
     SSFR_TRY(ssfr_scene_find(scene, &stage->source));
     if (stage->source.kind == SSFR_SCENE_DESCRIBED)
         SSFR_TRY(open_described(stage, options));
@@ -240,6 +240,7 @@ ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options
     stage->foam = foam;
     stage->frame = frame;
     stage->time = ssfr_stage_time(stage, frame);
+    stage->simulation_ms = stage->folder ? ssfr_make_time(stage->folder, (int)frame) : NAN;
     stage->scene = (ssfr_scene){.particles = stage->particles,
                                 .solids = stage->solids,
                                 .n_solids = place_solids(stage),
@@ -248,6 +249,19 @@ ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options
                                 .timed = isfinite(stage->time),
                                 .time = stage->time};
     SSFR_TRY(ssfr_stage_aim(stage, options));
+end:
+    return result;
+}
+
+ssfr_result ssfr_stage_turn(ssfr_stage *stage, const ssfr_stage_options *options)
+{
+    ssfr_result result = SSFR_OK;
+    long frame;
+    SSFR_TRY(ssfr_stage_find_frame(stage, options, &frame));
+    if (stage->particles && (frame < 0 || frame == stage->frame))
+        SSFR_TRY(ssfr_stage_aim(stage, options));
+    else
+        SSFR_TRY(ssfr_stage_show(stage, options, frame));
 end:
     return result;
 }

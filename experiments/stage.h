@@ -47,6 +47,7 @@ typedef struct ssfr_stage {
     long *frames;             /* the numbers of those there are, or can be made, rising; n_frames 0: only one picture */
     long frame;               /* shown now; -1 when there is only one */
     double time;              /* s, of a described scene; else NaN */
+    double simulation_ms;     /* wall time that the simulation of the frame took; NaN: not known */
     ssfr_particles *particles;
     ssfr_particles *foam;     /* diffuse particles of the frame; NULL for none */
     ssfr_solid solids[SSFR_MAX_SOLIDS];
@@ -85,12 +86,21 @@ SSFR_MUST ssfr_result ssfr_stage_choose(const ssfr_stage *stage, const ssfr_fram
 SSFR_MUST ssfr_result ssfr_stage_hold(ssfr_stage *stage, const ssfr_stage_options *options, size_t n,
                                       const long *frames);
 
+/* Shows what the options say: the particles are loaded only where their frame is not the one shown. */
+SSFR_MUST ssfr_result ssfr_stage_turn(ssfr_stage *stage, const ssfr_stage_options *options);
+
 /* Sets the camera anew, for another size or view of the same particles. */
 SSFR_MUST ssfr_result ssfr_stage_aim(ssfr_stage *stage, const ssfr_stage_options *options);
 
 /* The camera that the options name, or the scene's first; NULL where a scene has none. */
 SSFR_MUST ssfr_result ssfr_stage_find_view(const ssfr_stage *stage, const ssfr_stage_options *options,
                                            const ssfr_view **out);
+
+/* The same, which must have a path; follow: with a frame for each of its moments. */
+SSFR_MUST ssfr_result ssfr_stage_find_path(const ssfr_stage *stage, const ssfr_stage_options *options, bool follow,
+                                           const ssfr_view **out);
+/* When the camera is in the i-th of n views of its path, s: evenly spaced from its first key to its last. */
+double ssfr_stage_view_time(const ssfr_view *path, size_t i, size_t n);
 
 /* Bounds of the particles as balls, m, world: those of their centres and a radius around. */
 void ssfr_stage_bounds(const ssfr_stage *stage, double lo[3], double hi[3]);

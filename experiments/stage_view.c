@@ -144,6 +144,32 @@ end:
     return result;
 }
 
+ssfr_result ssfr_stage_find_path(const ssfr_stage *stage, const ssfr_stage_options *options, bool follow,
+                                 const ssfr_view **out)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_description *d = stage->description;
+    const ssfr_view *view;
+    *out = NULL;
+    SSFR_TRY(ssfr_stage_find_view(stage, options, &view));
+    if (!view || view->n_keys < 2)
+        return ssfr_fail(SSFR_ERR_VALUE, "path: %s: %s%s", stage->name, view ? view->name : "there is no camera",
+                         view ? ": the camera has no path" : "");
+    const double last = view->keys[view->n_keys - 1].time;
+    if (follow && lround(last * d->frame_rate) >= d->n_frames)
+        return ssfr_fail(SSFR_ERR_VALUE, "path: %s: %s goes on to %g s, which no frame shows", stage->name, view->name,
+                         last);
+    *out = view;
+end:
+    return result;
+}
+
+double ssfr_stage_view_time(const ssfr_view *path, size_t i, size_t n)
+{
+    const double share = n > 1 ? (double)i / (double)(n - 1) : 0;
+    return ssfr_mix(path->keys[0].time, path->keys[path->n_keys - 1].time, share);
+}
+
 static ssfr_result take_camera(const ssfr_stage *stage, const ssfr_stage_options *options, aim *a)
 {
     ssfr_result result = SSFR_OK;

@@ -18,8 +18,9 @@
  * variant does: it stands behind the status. */
 static const struct {
     const char *name, *axis;
-} own_columns[] = {{"variant", "variant"},   {"leave_out", "leave_out"}, {"camera", "camera"}, {"view", "view"},
-                   {"frame", "frame"},       {"scene", "scene"},         {"pipeline", "pipeline"},
+} own_columns[] = {{"variant", "variant"},   {"leave_out", "leave_out"}, {"cull", "cull"},
+                   {"camera", "camera"},     {"view", "view"},           {"frame", "frame"},
+                   {"scene", "scene"},       {"pipeline", "pipeline"},
                    {"backend", "backend"},   {"width", "size"},          {"height", "size"}};
 
 enum {

@@ -167,7 +167,7 @@ ssfr_result ssfr_sweep_spec_put(ssfr_sweep_spec *spec, ssfr_axis *axis)
 ssfr_result ssfr_axis_check_key(const char *where, const char *key)
 {
     static const char *const own[] = {"pipeline", "variant", "scene", "camera", "view", "frame", "size", "leave_out",
-                                      "backend"};
+                                      "cull", "backend"};
     bool known = ssfr_axis_is_parameter(key);
     char list[200] = "";
     size_t used = 0;

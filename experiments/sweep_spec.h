@@ -17,7 +17,7 @@
  *      published: {file: tab1.csv, on: [scene, kernel], column: ms}   # the paper's numbers, see published.h
  *      quick: {title: the same, smaller, size: 320x180, set: {}, vary: {}} # what `reproduce --scale quick` replaces
  *
- * Further axes, each one value or a list: camera, frame, leave_out (true, false); and
+ * Further axes, each one value or a list: camera, frame, leave_out and cull (true, false); and
  *
  *      variants:                                       # an axis of names, each for what its runs have of their own
  *        base: {}

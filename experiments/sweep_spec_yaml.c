@@ -359,6 +359,7 @@ static ssfr_result read_yaml(ssfr_sweep_spec *spec, const char *path, const char
         SSFR_YAML_ROW_ALL("path", read_path),
         SSFR_YAML_ROW_ALL("size", read_axis),
         SSFR_YAML_ROW_ALL("leave_out", read_axis),
+        SSFR_YAML_ROW_ALL("cull", read_axis),
         SSFR_YAML_ROW_ALL("backend", read_axis),
         SSFR_YAML_ROW("set", read_settings, ssfr_sweep_spec, settings),
         SSFR_YAML_ROW_ALL("vary", read_vary),

@@ -458,6 +458,7 @@ SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_buffer(ssfr_graph *graph, unsig
 
 typedef struct ssfr_run_options {
     bool keep_all; /* leave nothing out (to prove that leaving out changes nothing) */
+    bool no_culling; /* draw all particles, and on all tiles; keep_all does so, too */
     bool timing;   /* time each pass; on a software rasteriser this flushes between passes */
 } ssfr_run_options;
 
@@ -519,13 +520,27 @@ typedef struct ssfr_report {
     double cpu_ms;       /* of which planning and facts */
     double image_bytes;  /* held by the graph's images, copies of fields given included, the host's textures not */
     long allocations;    /* images and buffers allocated by the last run: 0 after the first of a kind */
-    int n_particles;     /* in packets that touch the view */
+    int n_particles;     /* in packets that touch the view; all with keep_all or no_culling */
     int n_packets;       /* of all particles; a host's buffer counts as if cut into packets, all in view */
-    int n_packets_seen;  /* that touch the view; all with keep_all */
+    int n_packets_seen;  /* of them, that touch the view; all in the same cases */
     double covered;      /* share of the image's tiles that may hold fluid, [0, 1] */
 } ssfr_report;
 
 SSFR_API const ssfr_report *ssfr_graph_report(const ssfr_graph *graph);
+
+/* One of the images and tables that a graph holds after a frame. */
+typedef struct ssfr_memory {
+    const char *name;    /* slot, or table */
+    const char *node;    /* that writes it; "" for what is given, tables and the environment */
+    const char *kind;    /* image; scratch: beside the node's outputs; given: a copy of a field; table; environment */
+    int w, h, d, c;      /* px; channels of what is asked for */
+    const char *format;  /* "RGBA16F", as the GPU stores them: three channels are four there; "R64F" on the CPU */
+    double bytes;
+} ssfr_memory;
+
+/* The i-th of them, by nodes; false past the end. Their bytes are the image_bytes of the report; buffers of particles
+ * are not among them. */
+SSFR_API bool ssfr_graph_memory_at(const ssfr_graph *graph, int i, ssfr_memory *out);
 
 #ifdef __cplusplus
 }

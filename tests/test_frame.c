@@ -16,8 +16,9 @@ static int set_up(void **state)
 
 static void prepare(ssfr_frame *frame, const ssfr_scene *scene, double reach, bool keep_all)
 {
+    const unsigned keep = keep_all ? SSFR_KEEP_ALL : 0;
     long grew = 0;
-    if (ssfr_frame_prepare(frame, scene, &world, reach, keep_all, &grew) != SSFR_OK) fail_msg("%s", test_last_error());
+    if (ssfr_frame_prepare(frame, scene, &world, reach, keep, &grew) != SSFR_OK) fail_msg("%s", test_last_error());
 }
 
 /* A packet of particles of 2 cm within 20 cm of a place; the camera stands at the origin and looks along -z. */
@@ -323,16 +324,16 @@ static void memory_grows_only_with_the_scene(void **state)
     test_scene_create_usual(&small, 64, 48);
     test_scene_create_block(&large, (const int[3]){20, 10, 10}, (const double[3]){0, 0, 0}, 0.02);
     large.scene.camera = small.scene.camera;
-    assert_int_equal(ssfr_frame_prepare(&frame, &small.scene, &world, 1, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare(&frame, &small.scene, &world, 1, 0, &grew), SSFR_OK);
     assert_int_equal(grew, 2);
-    assert_int_equal(ssfr_frame_prepare(&frame, &small.scene, &world, 1, true, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare(&frame, &small.scene, &world, 1, SSFR_KEEP_ALL, &grew), SSFR_OK);
     assert_int_equal(grew, 2);
-    assert_int_equal(ssfr_frame_prepare(&frame, &large.scene, &world, 1, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare(&frame, &large.scene, &world, 1, 0, &grew), SSFR_OK);
     assert_int_equal(grew, 3);
     large.scene.camera.w = 65;
-    assert_int_equal(ssfr_frame_prepare(&frame, &large.scene, &world, 1, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare(&frame, &large.scene, &world, 1, 0, &grew), SSFR_OK);
     assert_int_equal(grew, 4);
-    assert_int_equal(ssfr_frame_prepare(&frame, &small.scene, &world, 1, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare(&frame, &small.scene, &world, 1, 0, &grew), SSFR_OK);
     assert_int_equal(grew, 4);
     ssfr_frame_finish(&frame);
     test_scene_destroy(&small);
@@ -409,7 +410,7 @@ static void of_a_hosts_buffer_nothing_is_known(void **state)
     const double origin[3] = {1e6, 2, 3};
     create_heap(&s, 0, 0, 3);
     s.scene.particles = NULL;
-    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, 0, &grew), SSFR_OK);
     assert_int_equal(frame.n_packets, (600 + SSFR_PACKET - 1) / SSFR_PACKET);
     assert_int_equal(frame.facts.n_particles, 600);
     assert_int_equal(frame.facts.n_ranges, 1);
@@ -417,7 +418,7 @@ static void of_a_hosts_buffer_nothing_is_known(void **state)
     assert_int_equal(frame.facts.n_tiles, 10 * 7);
     assert_true(frame.facts.nearest == s.scene.camera.near);
     for (size_t i = 0; i < frame.n_packets; i++) assert_close(frame.offset[i][0], 1e6, 0, 1e-15);
-    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 0, origin, 0.02, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 0, origin, 0.02, 0, &grew), SSFR_OK);
     assert_int_equal(frame.facts.n_ranges, 0);
     ssfr_frame_finish(&frame);
     test_scene_destroy(&s);
@@ -434,7 +435,7 @@ static void samples_of_the_host_tell_its_mean_distance(void **state)
     long grew = 0;
     create_heap(&s, 0, 0, 3);
     s.scene.particles = NULL;
-    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare_host(&frame, &s.scene, &world, 600, origin, 0.02, 0, &grew), SSFR_OK);
     ssfr_frame_sample_host(&frame, 4, positions);
     assert_close(frame.facts.mean, 3.5, 0, 1e-14);
     ssfr_frame_sample_host(&frame, 2, &positions[2]);
@@ -531,7 +532,7 @@ static void scene_fails(const ssfr_scene *scene, const char *text)
 {
     ssfr_frame frame = {0};
     long grew = 0;
-    assert_fails(SSFR_ERR_VALUE, ssfr_frame_prepare(&frame, scene, &world, 1, false, &grew), text);
+    assert_fails(SSFR_ERR_VALUE, ssfr_frame_prepare(&frame, scene, &world, 1, 0, &grew), text);
     assert_int_equal(grew, 0);
     ssfr_frame_finish(&frame);
 }

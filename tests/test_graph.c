@@ -472,6 +472,74 @@ static void one_pixel_given_serves_the_whole_frame(void **state)
     test_scene_destroy(&s);
 }
 
+/* A row each for what the report sums up, after any frame: with scratch, a table, what is given and the environment. */
+static void memory_is_that_of_the_report(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    ssfr_memory m;
+    for (int p = 0; ssfr_pipeline_at(p); p++) {
+        test_scene s;
+        test_scene_create_usual(&s, 64, 48);
+        if (p == 1) test_scene_add_shapes(&s);
+        ssfr_graph *graph = test_graph(ssfr_pipeline_at(p), gl);
+        assert_false(ssfr_graph_memory_at(graph, 0, &m));
+        ssfr_field *depth = test_image(64, 48, 1, -SSFR_EMPTY);
+        assert_int_equal(ssfr_graph_set(graph, "sphere_depth.root", "ramp"), SSFR_OK);
+        for (int given = 0; given < 2; given++) {
+            if (given) assert_int_equal(ssfr_graph_import(graph, "scene_depth", depth), SSFR_OK);
+            assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+            double sum = 0;
+            int n = 0, n_given = 0, n_scratch = 0, n_tables = 0, n_maps = 0;
+            for (; ssfr_graph_memory_at(graph, n, &m); n++) {
+                sum += m.bytes;
+                assert_true(m.w > 0 && m.h > 0 && m.d > 0 && m.c > 0 && m.bytes > 0);
+                n_given += strcmp(m.kind, "given") == 0;
+                n_scratch += strcmp(m.kind, "scratch") == 0;
+                n_tables += strcmp(m.kind, "table") == 0;
+                n_maps += strcmp(m.kind, "environment") == 0;
+            }
+            assert_true(sum == ssfr_graph_report(graph)->image_bytes);
+            assert_int_equal(n_given, given);
+            assert_int_equal(n_tables, 1);
+            assert_true(n_scratch > 0);
+            assert_int_equal(n_maps, gl && s.map);
+            assert_false(ssfr_graph_memory_at(graph, -1, &m));
+        }
+        ssfr_field_destroy(&depth);
+        ssfr_graph_destroy(&graph);
+        test_scene_destroy(&s);
+    }
+}
+
+static void memory_has_the_format_that_is_stored(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    test_scene_create_usual(&s, 64, 48);
+    ssfr_graph *graph = test_graph(van_der_laan(), gl);
+    assert_int_equal(ssfr_graph_set(graph, "thickness.storage", "half"), SSFR_OK);
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    ssfr_memory m;
+    int n_found = 0;
+    for (int i = 0; ssfr_graph_memory_at(graph, i, &m); i++) {
+        if (strcmp(m.kind, "image") != 0) continue;
+        if (strcmp(m.name, "scene_color") == 0) {
+            n_found++;
+            assert_string_equal(m.node, "background");
+            assert_string_equal(m.format, gl ? "RGBA32F" : "RGB64F");
+            assert_true(m.w == 64 && m.h == 48 && m.d == 1 && m.c == 3);
+            assert_true(m.bytes == 64 * 48 * (gl ? 16 : 24));
+        } else if (strcmp(m.name, "thickness") == 0) {
+            n_found++;
+            assert_string_equal(m.format, gl ? "R16F" : "R64F");
+            assert_true(m.bytes == 64 * 48 * (gl ? 2 : 8));
+        }
+    }
+    assert_int_equal(n_found, 2);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 static const char *const known_step[] = {"curvature_flow.dt=2e-4", "downsample.factor=2", NULL};
 
 /* The images that a frame with particles makes, given to a frame without: the picture is the same. */
@@ -972,6 +1040,8 @@ int main(void)
         ON_BOTH(given_images_of_wrong_shape_are_refused),
         ON_BOTH(one_pixel_given_serves_the_whole_frame),
         ON_BOTH(given_fluid_needs_no_particles),
+        ON_BOTH(memory_is_that_of_the_report),
+        ON_BOTH(memory_has_the_format_that_is_stored),
         ON_BOTH(given_depth_tells_how_far_the_fluid_is),
         ON_BOTH(depth_given_at_half_resolution_is_scaled_up),
         ON_BOTH(low_resolution_without_upsampling_is_refused),

@@ -127,13 +127,14 @@ static void usual_frames_are_finite_and_bounded(void **state)
     test_scene_create_usual(&s, W, H);
     for (int p = 0; ssfr_pipeline_at(p); p++)
         for (int keep_all = 0; keep_all < 2; keep_all++) {
+            const ssfr_run_options run = {.keep_all = keep_all};
             ssfr_graph *graph = test_graph(ssfr_pipeline_at(p), gl);
             ssfr_inspected inspected;
             assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
             const ssfr_report *report = ssfr_graph_report(graph);
             char before[256], after[256];
             ssfr_inspect_left_out(report->n_nodes, report->nodes, before, sizeof before);
-            assert_int_equal(ssfr_inspect_frame(&inspected, graph, &s.scene, keep_all), SSFR_OK);
+            assert_int_equal(ssfr_inspect_frame(&inspected, graph, &s.scene, &run), SSFR_OK);
             assert_true(inspected.finite && inspected.bounded);
             assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
             ssfr_inspect_left_out(report->n_nodes, report->nodes, after, sizeof after);
@@ -153,7 +154,7 @@ static void a_frame_that_cannot_run_is_an_error(void **state)
     ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), NULL);
     assert_int_equal(ssfr_field_create(&image, 5, 7, 3), SSFR_OK);
     assert_int_equal(ssfr_graph_import(graph, "scene_color", image), SSFR_OK);
-    assert_fails(SSFR_ERR_VALUE, ssfr_inspect_frame(&inspected, graph, &s.scene, false), "scene_color");
+    assert_fails(SSFR_ERR_VALUE, ssfr_inspect_frame(&inspected, graph, &s.scene, NULL), "scene_color");
     ssfr_field_destroy(&image);
     ssfr_graph_destroy(&graph);
     test_scene_destroy(&s);

@@ -256,6 +256,55 @@ static void every_image_is_the_same_to_the_bit(void **state)
     }
 }
 
+/* What particles need that nobody sees: their packets are drawn, and all tiles; nodes are left out as before. */
+static void culling_changes_no_picture_and_nothing_else(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    static void (*const partly_out_of_view[])(test_scene *) = {all_behind_the_eye, a_fifth_of_the_screen,
+                                                               eye_inside_the_fluid, far_strays};
+    for (size_t k = 0; k < SSFR_COUNT(partly_out_of_view); k++) {
+        test_scene s;
+        partly_out_of_view[k](&s);
+        for (int p = 0; ssfr_pipeline_at(p); p++) {
+            ssfr_graph *culled = test_graph(ssfr_pipeline_at(p), gl), *all = test_graph(ssfr_pipeline_at(p), gl);
+            assert_int_equal(ssfr_graph_run(culled, &s.scene, NULL), SSFR_OK);
+            assert_int_equal(ssfr_graph_run(all, &s.scene, &(ssfr_run_options){.no_culling = true}), SSFR_OK);
+            const ssfr_report *a = ssfr_graph_report(culled), *b = ssfr_graph_report(all);
+            assert_true(b->covered == 1 && b->n_packets_seen == b->n_packets);
+            assert_int_equal(b->n_particles, s.scene.particles ? s.scene.particles->n : 0);
+            assert_int_equal(a->n_packets, b->n_packets);
+            assert_true(a->n_packets_seen <= b->n_packets_seen && a->n_particles <= b->n_particles);
+            for (int i = 0; i < a->n_nodes; i++) assert_int_equal(a->nodes[i].status, b->nodes[i].status);
+            ssfr_field *with = test_graph_read(culled, "color"), *without = test_graph_read(all, "color");
+            assert_same_image(with, without, ssfr_pipeline_name(ssfr_pipeline_at(p)));
+            ssfr_field_destroy(&with);
+            ssfr_field_destroy(&without);
+            ssfr_graph_destroy(&culled);
+            ssfr_graph_destroy(&all);
+        }
+        test_scene_destroy(&s);
+    }
+}
+
+static void packets_behind_the_eye_are_not_drawn_unless_asked_for(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    all_behind_the_eye(&s);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), gl);
+    for (int no_culling = 0; no_culling < 2; no_culling++) {
+        assert_int_equal(ssfr_graph_run(graph, &s.scene, &(ssfr_run_options){.no_culling = no_culling}), SSFR_OK);
+        const ssfr_report *report = ssfr_graph_report(graph);
+        assert_int_equal(report->n_packets, 7);
+        assert_int_equal(report->n_packets_seen, no_culling ? 7 : 0);
+        assert_int_equal(report->n_particles, no_culling ? 432 : 0);
+        assert_true(report->covered == no_culling);
+        assert_int_not_equal(test_graph_node(graph, "sphere_depth")->status, SSFR_RAN);
+    }
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 /* Unless particles have velocity and density, nodes that tell water from foam are as if they were not there. */
 static void water_of_which_nothing_is_known_is_drawn_as_without_foam(void **state)
 {
@@ -450,6 +499,8 @@ int main(void)
         ON_BOTH(pictures_are_the_same_to_the_bit),
         ON_BOTH(pictures_without_any_one_node_are_the_same_to_the_bit),
         ON_BOTH(every_image_is_the_same_to_the_bit),
+        ON_BOTH(culling_changes_no_picture_and_nothing_else),
+        ON_BOTH(packets_behind_the_eye_are_not_drawn_unless_asked_for),
         ON_BOTH(water_of_which_nothing_is_known_is_drawn_as_without_foam),
         ON_BOTH(what_is_left_out_is_what_is_not_needed),
         ON_BOTH(an_input_that_is_not_read_runs_nothing),

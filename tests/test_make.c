@@ -308,6 +308,33 @@ static void a_damaged_state_costs_time_and_nothing_else(void **state)
 
 /* ---- what is in the frames --------------------------------------------------------------------------------------- */
 
+/* Beside the frames, whose bytes do not tell it; those made before it was kept have none. */
+static void each_frame_has_the_time_that_it_took(void **state)
+{
+    (void)state;
+    ssfr_description *d = parse(everything);
+    const char *cache = new_cache();
+    char *folder = folder_of(d, cache, 1), path[512];
+    assert_int_equal(make(d, cache, 1), SSFR_OK);
+    for (int i = 0; i < 2; i++) assert_true(ssfr_make_time(folder, i) > 0);
+    assert_true(isnan(ssfr_make_time(folder, 2)));
+    snprintf(path, sizeof path, "%.400s/time_0000.ms", folder);
+    FILE *file = fopen(path, "w");
+    assert_true(file && fputs("not a number", file) >= 0 && fclose(file) == 0);
+    assert_true(isnan(ssfr_make_time(folder, 0)));
+    assert_int_equal(remove(path), 0);
+    assert_true(isnan(ssfr_make_time(folder, 0)));
+    assert_int_equal(make(d, cache, 1), SSFR_OK); /* no reason to make the frame again */
+    assert_true(isnan(ssfr_make_time(folder, 0)));
+    const ssfr_make_options anew = {.cache = cache, .seed = 1, .last = 0, .anew = true};
+    assert_int_equal(ssfr_make(d, &anew), SSFR_OK);
+    assert_true(ssfr_make_time(folder, 0) > 0);
+    assert_true(isnan(ssfr_make_time(folder, 1))); /* gone with its frame */
+    free(folder);
+    remove_all(cache);
+    ssfr_description_destroy(&d);
+}
+
 static void a_frame_holds_what_a_simulation_knows(void **state)
 {
     (void)state;
@@ -537,6 +564,7 @@ int main(void)
         cmocka_unit_test(what_is_there_is_not_made_again),
         cmocka_unit_test(a_frame_that_was_removed_is_made_again),
         cmocka_unit_test(a_damaged_state_costs_time_and_nothing_else),
+        cmocka_unit_test(each_frame_has_the_time_that_it_took),
         cmocka_unit_test(a_frame_holds_what_a_simulation_knows),
         cmocka_unit_test(an_emitter_streams_at_the_density_of_rest),
         cmocka_unit_test(there_are_never_more_particles_than_allowed),

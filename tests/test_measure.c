@@ -283,7 +283,7 @@ static void two_subjects_run_by_turns_and_are_compared_pair_by_pair(void **state
     bench b;
     bench_create(&b, NULL);
     assert_int_equal(ssfr_graph_create(&other, ssfr_pipeline_find("bagar2010"), NULL), SSFR_OK);
-    const ssfr_subject subjects[] = {{b.graph, true}, {other, false}};
+    const ssfr_subject subjects[] = {{b.graph, {.keep_all = true}}, {other, {0}}};
     assert_int_equal(ssfr_measure_subjects(measured, &paired, 2, subjects, &b.stage->scene, &options), SSFR_OK);
     for (int k = 0; k < 2; k++) {
         assert_true(measured[k]->frame.n == 4 && measured[k]->frame.median > 0);
@@ -312,7 +312,7 @@ static void subjects_that_fail_leave_nothing(void **state)
     assert_int_equal(ssfr_graph_create(&other, ssfr_pipeline_find("bagar2010"), NULL), SSFR_OK);
     assert_int_equal(ssfr_field_create(&image, 5, 7, 3), SSFR_OK);
     assert_int_equal(ssfr_graph_import(other, "scene_color", image), SSFR_OK);
-    const ssfr_subject subjects[] = {{b.graph, false}, {other, false}};
+    const ssfr_subject subjects[] = {{b.graph, {0}}, {other, {0}}};
     assert_fails(SSFR_ERR_VALUE, ssfr_measure_subjects(measured, &paired, 2, subjects, &b.stage->scene, &options),
                  "scene_color");
     assert_true(measured[0] == NULL && measured[1] == NULL && isnan(paired.saved));

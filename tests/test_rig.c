@@ -265,6 +265,7 @@ static void what_a_pipeline_does_not_take_is_refused(void **state)
         {SSFR_ERR_VALUE, "backend=gl,vulkan", "--vary: backend vulkan: expected gl or cpu"},
         {SSFR_ERR_VALUE, "size=64x48,64", "--vary: size 64: expected WxH"},
         {SSFR_ERR_VALUE, "leave_out=true,yes", "--vary: leave_out yes: expected true or false"},
+        {SSFR_ERR_VALUE, "cull=true,1", "--vary: cull 1: expected true or false"},
         {SSFR_ERR_VALUE, "frame=1,1.5", "--vary: frame 1.5: expected a whole number from 0"},
         {SSFR_ERR_VALUE, "frame=-1", "--vary: frame -1: expected a whole number from 0"},
         {SSFR_ERR_VALUE, "view=0", "--vary: view 0: the path has 0, from 0"},
@@ -453,6 +454,48 @@ static void leaving_out_is_an_axis_and_changes_no_bit(void **state)
     end(&f);
 }
 
+static void culling_is_an_axis_and_changes_no_bit(void **state)
+{
+    (void)state;
+    static const char yaml[] = "against: {cull: false}\n";
+    static const char *const axes[] = {"scene=splash", "size=64x48", "backend=cpu", "cull=true,false", NULL};
+    fixture f;
+    ssfr_rig_row culled, all;
+    begin_yaml(&f, NULL, yaml, axes, false);
+    f.options.stage.eye[0] = 0.1, f.options.stage.eye[1] = 0.3, f.options.stage.eye[2] = 0.2;
+    run_row(&f, 0, &culled);
+    run_row(&f, 1, &all);
+    const double *a = culled.values, *b = all.values;
+    assert_string_equal(culled.texts[SSFR_COLUMN_TEXT_color_hash], all.texts[SSFR_COLUMN_TEXT_color_hash]);
+    assert_string_equal(culled.texts[SSFR_COLUMN_TEXT_left_out], all.texts[SSFR_COLUMN_TEXT_left_out]);
+    assert_true(b[SSFR_COLUMN_packets_seen] == b[SSFR_COLUMN_packets]);
+    assert_true(a[SSFR_COLUMN_packets] == b[SSFR_COLUMN_packets]);
+    assert_true(a[SSFR_COLUMN_packets_seen] > 0 && a[SSFR_COLUMN_packets_seen] < a[SSFR_COLUMN_packets]);
+    assert_true(a[SSFR_COLUMN_particles_seen] < b[SSFR_COLUMN_particles_seen]);
+    assert_true(a[SSFR_COLUMN_covered] <= 1 && b[SSFR_COLUMN_covered] == 1);
+    assert_true(isfinite(a[SSFR_COLUMN_ms_ratio]));
+    assert_true(isnan(a[SSFR_COLUMN_simulation_ms])); /* it is made by code */
+    assert_true(a[SSFR_COLUMN_foam_share] == 0 && a[SSFR_COLUMN_spray_share] == 0);
+    end(&f);
+}
+
+/* With a threshold of 0 all is foam, with one that nothing reaches none is; spray is what has few neighbours. */
+static void shares_of_foam_and_spray_are_those_of_all_particles(void **state)
+{
+    (void)state;
+    static const char *const axes[] = {"pipeline=bagar2010", "scene=splash", "size=48x32", "backend=cpu",
+                                       "weber_foam.threshold=0,1e30", NULL};
+    fixture f;
+    ssfr_rig_row foam, water;
+    begin(&f, NULL, axes, false);
+    run_row(&f, 0, &foam);
+    run_row(&f, 1, &water);
+    assert_true(foam.values[SSFR_COLUMN_foam_share] == 1);
+    assert_true(water.values[SSFR_COLUMN_foam_share] == 0);
+    assert_true(foam.values[SSFR_COLUMN_spray_share] > 0 && foam.values[SSFR_COLUMN_spray_share] < 1);
+    end(&f);
+}
+
 static void smoothing_that_is_not_stable_is_not_bounded(void **state)
 {
     (void)state;
@@ -628,6 +671,8 @@ int main(void)
         cmocka_unit_test(what_no_picture_needs_is_compared_of_the_other_row_too),
         cmocka_unit_test(without_another_row_nothing_is_saved_or_added),
         cmocka_unit_test(leaving_out_is_an_axis_and_changes_no_bit),
+        cmocka_unit_test(culling_is_an_axis_and_changes_no_bit),
+        cmocka_unit_test(shares_of_foam_and_spray_are_those_of_all_particles),
         cmocka_unit_test(smoothing_that_is_not_stable_is_not_bounded),
         cmocka_unit_test(views_are_evenly_spaced_along_the_path),
         cmocka_unit_test(what_tells_the_time_twice_is_refused),

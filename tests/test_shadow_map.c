@@ -58,7 +58,7 @@ static ssfr_light_view view_of(const test_twin *t, const light *l)
     long grew = 0;
     ssfr_world_default(&world);
     world.light.azimuth_deg = l->azimuth, world.light.elevation_deg = l->elevation;
-    assert_int_equal(ssfr_frame_prepare(&frame, &t->scene, &world, 0, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare(&frame, &t->scene, &world, 0, 0, &grew), SSFR_OK);
     const ssfr_light_view view = ssfr_light_view_of(&frame);
     ssfr_frame_finish(&frame);
     return view;

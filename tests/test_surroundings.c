@@ -68,7 +68,7 @@ static void rays_see_what_the_passes_see(void **state)
     (void)state;
     begin(&r, 0);
     make(&r);
-    assert_int_equal(ssfr_frame_prepare(&frame, &r.scene, &r.world, 1, false, &grew), SSFR_OK);
+    assert_int_equal(ssfr_frame_prepare(&frame, &r.scene, &r.world, 1, 0, &grew), SSFR_OK);
     ssfr_frame_all_solids(&frame, solids);
     for (int i = 0; i < 3000; i++) {
         const ssfr_ray ray = random_ray(&seed);

@@ -310,7 +310,7 @@ leaves 0 'bench times a pipeline' bench --scene block --size 48x32 --backend cpu
 that 'pass by pass' grep -Eq '^curvature_flow	ran	[0-9.]+	[0-9.]+	[0-9.]+ %	' out
 that 'and says what was left out and why' grep -Eq '^noise_normals	needless: .*	-	-' out
 that 'its table has a row a node and two for the frame' \
-    [ "$(cut -d, -f6 b.csv | grep -cx 'composite\|(frame)\|(frame while timed)')" -eq 3 ]
+    [ "$(cut -d, -f7 b.csv | grep -cx 'composite\|(frame)\|(frame while timed)')" -eq 3 ]
 that 'with metadata' grep -q '"curvature_flow.iterations": 40' b.meta.json
 that 'which say what each column means' grep -q '"bytes \[B\]": "fewest bytes' b.meta.json
 that 'of which there are as many' [ "$(head -n 1 b.csv | tr , '\n' | wc -l)" -eq \

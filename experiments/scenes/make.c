@@ -71,12 +71,34 @@ end:
     return result;
 }
 
-ssfr_result ssfr_make_path(const char *folder, int frame, bool foam, char **out)
+static ssfr_result frame_path(const char *folder, const char *what, int frame, const char *ending, char **out)
 {
     const size_t size = strlen(folder) + 40;
     const ssfr_result result = ssfr_alloc(out, size, 1, "a path");
-    if (result == SSFR_OK) snprintf(*out, size, "%s/%s_%04d.h5", folder, foam ? "foam" : "fluid", frame);
+    if (result == SSFR_OK) snprintf(*out, size, "%s/%s_%04d%s", folder, what, frame, ending);
     return result;
+}
+
+ssfr_result ssfr_make_path(const char *folder, int frame, bool foam, char **out)
+{
+    return frame_path(folder, foam ? "foam" : "fluid", frame, ".h5", out);
+}
+
+/* Beside the frame and not in it: files of the same particles have the same bytes. */
+static ssfr_result time_path(const char *folder, int frame, char **out)
+{
+    return frame_path(folder, "time", frame, ".ms", out);
+}
+
+double ssfr_make_time(const char *folder, int frame)
+{
+    double ms = NAN;
+    char *path = NULL;
+    FILE *file = time_path(folder, frame, &path) == SSFR_OK ? fopen(path, "r") : NULL;
+    if (file && fscanf(file, "%lf", &ms) != 1) ms = NAN;
+    if (file) fclose(file);
+    free(path);
+    return ms;
 }
 
 int ssfr_make_count(const char *folder)
@@ -100,6 +122,7 @@ typedef struct making {
     int lock;        /* file descriptor; -1 for none */
     ssfr_simulation *simulation;
     int last;        /* the last frame to be made */
+    double frame_ms; /* wall time that the simulation of the last frame took */
     double seconds;  /* of work until the last frame, by all processes that were at it */
     double begun;    /* clock when they were counted last */
     char about[192]; /* what the log's lines are about */
@@ -125,6 +148,11 @@ static bool ends_in(const char *name, const char *ending)
     return length > n && strcmp(name + length - n, ending) == 0;
 }
 
+static bool is_made(const char *name)
+{
+    return ends_in(name, ".h5") || ends_in(name, ".ms") || strcmp(name, state_name) == 0;
+}
+
 /* Removes what killed processes left half-written, which under the lock is nobody's; all: frames and state as well. */
 static ssfr_result clean(const making *m, bool all)
 {
@@ -135,7 +163,7 @@ static ssfr_result clean(const making *m, bool all)
     SSFR_TRY(ssfr_alloc(&path, strlen(m->folder) + sizeof((struct dirent *)0)->d_name + 2, 1, "a path"));
     for (const struct dirent *entry = readdir(dir); entry; entry = readdir(dir)) {
         const char *name = entry->d_name;
-        if (!ends_in(name, ".part") && !(all && (ends_in(name, ".h5") || strcmp(name, state_name) == 0))) continue;
+        if (!ends_in(name, ".part") && !(all && is_made(name))) continue;
         sprintf(path, "%s/%s", m->folder, name);
         if (unlink(path) != 0 && errno != ENOENT) {
             result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
@@ -320,8 +348,27 @@ static ssfr_result save_particles(const making *m, const ssfr_particles *particl
     return result;
 }
 
-/* The fluid comes after its foam: where a fluid is, the frame is whole. Without the state the frame would be made
- * again, with the same bits. */
+/* A text of one number. */
+static ssfr_result save_time(const making *m)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_aside aside = {0};
+    char *path = NULL;
+    FILE *file = NULL;
+    SSFR_TRY(time_path(m->folder, ssfr_simulation_frame(m->simulation), &path));
+    SSFR_TRY(ssfr_aside_begin(&aside, path));
+    file = fopen(aside.temporary, "w");
+    const bool written = file && fprintf(file, "%.6g\n", m->frame_ms) > 0;
+    const bool closed = file && fclose(file) == 0;
+    if (!written || !closed) result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+end:
+    result = ssfr_aside_end(&aside, result);
+    free(path);
+    return result;
+}
+
+/* The fluid comes after its foam and its time: where a fluid is, the frame is whole. Without the state the frame would
+ * be made again, with the same bits. */
 static ssfr_result save_frame(making *m)
 {
     ssfr_result result = SSFR_OK;
@@ -329,6 +376,7 @@ static ssfr_result save_frame(making *m)
     ssfr_particles *fluid = NULL, *foam = NULL;
     SSFR_TRY(ssfr_simulation_export(m->simulation, &fluid, &foam));
     if (foam) SSFR_TRY(save_particles(m, foam, true));
+    SSFR_TRY(save_time(m));
     SSFR_TRY(save_particles(m, fluid, false));
     m->seconds += now - m->begun;
     m->begun = now;
@@ -350,7 +398,9 @@ static ssfr_result make_frames(making *m)
         snprintf(m->about, sizeof m->about, frame < 0 ? "%.128s, at rest" : "%.128s, frame %d", m->d->name, frame);
         ssfr_log_about(m->about);
         ssfr_console_progress(m->d->name, (size_t)(frame - first), total);
+        const double start = ssfr_clock();
         SSFR_TRY(ssfr_simulation_advance(m->simulation));
+        m->frame_ms = 1e3 * (ssfr_clock() - start);
         SSFR_TRY(frame < 0 ? save_state(m) : save_frame(m));
     }
 end:

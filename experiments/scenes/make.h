@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* make.h: simulating a scene into frames on disk, once: the cache, resuming, progress.
  *
- *      $XDG_CACHE_HOME/ssfr/scenes/bagar2010-waterfall-quick-0f3a.../fluid_0000.h5, foam_0000.h5, ..., state.bin */
+ *      $XDG_CACHE_HOME/ssfr/scenes/bagar2010-waterfall-quick-0f3a.../fluid_0000.h5, foam_0000.h5, time_0000.ms, ...,
+ *      state.bin */
 #ifndef SSFR_MAKE_H
 #define SSFR_MAKE_H
 
@@ -32,6 +33,8 @@ SSFR_MUST ssfr_result ssfr_make(const ssfr_description *description, const ssfr_
 
 /* The path of a frame's file in the folder; foam: of the diffuse particles. To free(). */
 SSFR_MUST ssfr_result ssfr_make_path(const char *folder, int frame, bool foam, char **out);
+/* The wall time that the simulation of a frame took, ms; NaN where that was not kept. */
+double ssfr_make_time(const char *folder, int frame);
 /* How many frames, counted from 0 without a gap, are there. */
 int ssfr_make_count(const char *folder);
 

@@ -56,7 +56,7 @@ ssfr_result ssfr_surroundings_create(ssfr_surroundings **out, const ssfr_scene *
     s->shown = (ssfr_surroundings){.user = s, .trace = trace, .sky = sky};
     s->scene = *scene;
     s->scene.particles = NULL;
-    SSFR_TRY(ssfr_frame_prepare(&s->frame, &s->scene, world, 1, false, &grew));
+    SSFR_TRY(ssfr_frame_prepare(&s->frame, &s->scene, world, 1, 0, &grew));
     s->scene.solids = NULL; /* the frame has its own */
     ssfr_frame_all_solids(&s->frame, s->solids);
     for (int k = 0; k < 3; k++) s->shift[k] = origin[k] - scene->camera.eye[k];

@@ -16,6 +16,11 @@ static int port_resource(const node *n, const char *name)
     return found;
 }
 
+bool ssfr_graph_has_slot(const ssfr_graph *graph, ssfr_slot_id slot)
+{
+    return graph->last[slot] >= 0;
+}
+
 static ssfr_result find_resource(const ssfr_graph *graph, const char *name, int *out)
 {
     const ssfr_slot_id slot = ssfr_slot_find(name);

@@ -567,7 +567,7 @@ static void eye_from_world(const ssfr_frame *frame, const double point[3], doubl
 }
 
 ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, double reach,
-                               bool keep_all, long *grew)
+                               unsigned keep, long *grew)
 {
     ssfr_result result = SSFR_OK;
     const ssfr_particles *p = scene->particles;
@@ -579,14 +579,14 @@ ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const
     frame->radius = p ? p->radius : 0;
     SSFR_TRY(reserve(frame, grew));
     for (size_t i = 0; i < frame->n_packets; i++) eye_from_world(frame, p->packets[i].centre, frame->offset[i]);
-    count_facts(frame, reach, keep_all);
-    mark_solids(frame, keep_all);
+    count_facts(frame, reach, (keep & SSFR_KEEP_PARTICLES) != 0);
+    mark_solids(frame, (keep & SSFR_KEEP_SOLIDS) != 0);
 end:
     return result;
 }
 
 ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world, size_t n,
-                                    const double origin[3], double radius, bool keep_all, long *grew)
+                                    const double origin[3], double radius, unsigned keep, long *grew)
 {
     ssfr_result result = SSFR_OK;
     SSFR_TRY(check_scene(frame, scene));
@@ -608,7 +608,7 @@ ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, 
     forget_lit(&frame->facts);
     if (n) add_lit_view(frame, frame->near, scene->camera.far);
     take_all_tiles(&frame->facts);
-    mark_solids(frame, keep_all);
+    mark_solids(frame, (keep & SSFR_KEEP_SOLIDS) != 0);
 end:
     return result;
 }

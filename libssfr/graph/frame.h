@@ -119,13 +119,20 @@ void ssfr_world_default(ssfr_world *world);
 /* Rows and address of the i-th group; NULL past the end. */
 const char *ssfr_world_group(int i, const ssfr_param **rows, size_t *offset);
 
-/* Fills the frame from the scene and the world. reach: how far splats extend, in particle radii; keep_all: no culling,
- * all tiles. *grew counts allocations: none when the sizes are as before. */
+/* What is not left out though nobody sees it, a bit each. */
+typedef enum ssfr_keep {
+    SSFR_KEEP_PARTICLES = 1, /* all packets are drawn, and on all tiles */
+    SSFR_KEEP_SOLIDS = 2,    /* every tile asks for all solids */
+    SSFR_KEEP_ALL = 3,
+} ssfr_keep;
+
+/* Fills the frame from the scene and the world. reach: how far splats extend, in particle radii; keep: of ssfr_keep.
+ * *grew counts allocations: none when the sizes are as before. */
 SSFR_MUST ssfr_result ssfr_frame_prepare(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world,
-                                         double reach, bool keep_all, long *grew);
+                                         double reach, unsigned keep, long *grew);
 /* The same for n particles in a host's buffer, relative to origin: nothing is known of where they are. */
 SSFR_MUST ssfr_result ssfr_frame_prepare_host(ssfr_frame *frame, const ssfr_scene *scene, const ssfr_world *world,
-                                              size_t n, const double origin[3], double radius, bool keep_all,
+                                              size_t n, const double origin[3], double radius, unsigned keep,
                                               long *grew);
 /* Some of the host's positions, spread evenly: the mean distance of those in view stands for that of all. */
 void ssfr_frame_sample_host(ssfr_frame *frame, size_t n, const float (*positions)[3]);

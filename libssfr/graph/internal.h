@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* internal.h: the graph's own structures, shared by graph.c (what it is), exchange.c (what it is given and asked for),
- * values.c (values of particles), tables.c (constant tables), plan.c (what to leave out) and run.c (doing it).
+ * values.c (values of particles), tables.c (constant tables), memory.c (what is allocated), plan.c (what to leave out)
+ * and run.c (doing it).
  *
  *      nodes    in execution order, each with its pass, parameters and the resources it reads and writes
  *      resource one version of a slot: written by one node, or from outside
@@ -174,9 +175,16 @@ static inline ssfr_storage ssfr_node_storage(const node *n)
     return n->pass->storage ? n->pass->storage(n->params) : SSFR_STORE_FLOAT;
 }
 
+/* Bytes of a channel of a pixel on the GPU. */
+static inline double ssfr_channel_bytes(ssfr_storage storage)
+{
+    return storage == SSFR_STORE_HALF ? 2 : sizeof(float);
+}
+/* What all memory of ssfr_graph_memory_at holds. */
+double ssfr_memory_bytes(const ssfr_graph *graph);
+
 /* Makes what tables the node reads are not there yet, and gives them to it; the GPU's are bound. */
 SSFR_MUST ssfr_result ssfr_tables_ready(ssfr_graph *graph, node *n);
-double ssfr_tables_bytes(const ssfr_graph *graph);
 void ssfr_tables_finish(ssfr_graph *graph);
 
 /* Makes program i of a node with these lines after #version, or those of its row where they are empty. */

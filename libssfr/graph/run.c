@@ -463,11 +463,6 @@ static double values_bytes(const particle_values *v)
     return v->now.same ? 0 : (double)sizeof(float) * v->now.c * (double)v->now.n;
 }
 
-static double channel_bytes(ssfr_storage storage)
-{
-    return storage == SSFR_STORE_HALF ? 2 : sizeof(float);
-}
-
 /* Pixels of an input that a sweep over px of the outputs reads: all of a map. */
 static double read_px(const node *n, const resource *r, double px)
 {
@@ -488,11 +483,11 @@ static void count_work(const ssfr_graph *graph, const node *n, ssfr_node_report 
         if (values) report->bytes += values_bytes(&r->values);
         if (values) continue;
         if (n->pass->taps == 0) report->taps++;
-        report->bytes += channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * read_px(n, r, px);
+        report->bytes += ssfr_channel_bytes(r->image->storage) * ssfr_slots[r->slot].channels * read_px(n, r, px);
     }
     for (int k = 0; n->pass->tables[k].table; k++)
         if (n->run.tables[k]) report->bytes += (double)ssfr_lookup_bytes(n->pass->tables[k].table);
-    const double bytes = channel_bytes(ssfr_node_storage(n));
+    const double bytes = ssfr_channel_bytes(ssfr_node_storage(n));
     for (int k = 0; k < n->run.n_out; k++)
         report->bytes += bytes * ssfr_slots[graph->resources[n->out[k]].slot].channels * px;
     if (n->pass->work) n->pass->work(&n->run, report);
@@ -550,15 +545,15 @@ static void note_given_fluid(ssfr_graph *graph)
     }
 }
 
-static ssfr_result prepare_frame(ssfr_graph *graph, const ssfr_scene *scene, double reach, bool keep_all)
+static ssfr_result prepare_frame(ssfr_graph *graph, const ssfr_scene *scene, double reach, unsigned keep)
 {
     const host_buffer *h = &graph->host;
     if (h->buffer && scene->particles)
         return ssfr_fail(SSFR_ERR_VALUE, "particles: both the scene's and a buffer's (%u) are given", h->buffer);
     if (h->buffer)
-        return ssfr_frame_prepare_host(&graph->frame, scene, &graph->world, h->n, h->origin, h->radius, keep_all,
+        return ssfr_frame_prepare_host(&graph->frame, scene, &graph->world, h->n, h->origin, h->radius, keep,
                                        &graph->grew);
-    return ssfr_frame_prepare(&graph->frame, scene, &graph->world, reach, keep_all, &graph->grew);
+    return ssfr_frame_prepare(&graph->frame, scene, &graph->world, reach, keep, &graph->grew);
 }
 
 /* Values may widen splats: only then what is in view is found a second time. */
@@ -566,10 +561,11 @@ static ssfr_result prepare(ssfr_graph *graph, const ssfr_scene *scene, const ssf
 {
     ssfr_result result = SSFR_OK;
     const double reach = ssfr_graph_reach(graph, false);
-    SSFR_TRY(prepare_frame(graph, scene, reach, options->keep_all));
+    const unsigned keep = options->keep_all ? SSFR_KEEP_ALL : options->no_culling ? SSFR_KEEP_PARTICLES : 0;
+    SSFR_TRY(prepare_frame(graph, scene, reach, keep));
     SSFR_TRY(ssfr_values_run(graph, options->keep_all));
     const double wide = ssfr_graph_reach(graph, true);
-    if (wide > reach) SSFR_TRY(prepare_frame(graph, scene, wide, options->keep_all));
+    if (wide > reach) SSFR_TRY(prepare_frame(graph, scene, wide, keep));
     ssfr_values_count(graph);
     note_given_fluid(graph);
 end:
@@ -610,24 +606,6 @@ static ssfr_result run_frame_on_gpu(ssfr_graph *graph, bool timing)
     result = ssfr_gl_end(graph->gl, result);
 end:
     return result;
-}
-
-/* The host's own images are not held by the graph. Three channels are four on the GPU. */
-static double bytes_of(const image *im)
-{
-    if (im->field) return (double)sizeof(double) * im->w * im->h * im->c;
-    return im->texture.borrowed ? 0 : channel_bytes(im->storage) * im->w * im->h * (im->c == 3 ? 4 : im->c);
-}
-
-static double image_bytes(const ssfr_graph *graph)
-{
-    double bytes = 0;
-    for (int i = 0; i < graph->n_resources; i++)
-        bytes += bytes_of(&graph->resources[i].own) + bytes_of(&graph->resources[i].given);
-    for (int i = 0; i < graph->n_nodes; i++)
-        for (int k = 0; k < SSFR_MAX_SCRATCH; k++) bytes += bytes_of(&graph->nodes[i].scratch[k]);
-    return bytes + ssfr_tables_bytes(graph) +
-           (double)sizeof(float) * 4 * graph->environment.w * graph->environment.h;
 }
 
 /* Particle nodes have run before the plan made the reports. */
@@ -681,6 +659,6 @@ end:
     graph->report.n_packets = (int)graph->frame.n_packets;
     graph->report.n_packets_seen = (int)graph->frame.facts.n_packets;
     graph->report.covered = graph->frame.facts.covered;
-    graph->report.image_bytes = image_bytes(graph);
+    graph->report.image_bytes = ssfr_memory_bytes(graph);
     return result;
 }

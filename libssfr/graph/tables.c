@@ -57,13 +57,6 @@ end:
     return result;
 }
 
-double ssfr_tables_bytes(const ssfr_graph *graph)
-{
-    double bytes = 0;
-    for (int i = 0; i < graph->n_tables; i++) bytes += (double)ssfr_lookup_bytes(graph->tables[i].texels.table);
-    return bytes;
-}
-
 void ssfr_tables_finish(ssfr_graph *graph)
 {
     for (int i = 0; i < graph->n_tables; i++) {
