@@ -254,6 +254,7 @@ static const ssfr_builtin builtins[] = {
      .floor = NAN},
     {.name = "far", .help = "the block a million metres from the origin", .make = make_far, .from = {0.6, 0.5, 1},
      .floor = NAN},
+    {.name = "empty", .help = "no particle", .make = make_empty, .floor = NAN},
     {.name = "still", .help = "the block at rest", .make = make_still, .from = {0.6, 0.5, 1}, .floor = NAN},
     {.name = "burst", .help = "the block, every particle at 1e30 m/s", .make = make_burst, .from = {0.6, 0.5, 1},
      .floor = NAN},
@@ -264,7 +265,6 @@ static const ssfr_builtin builtins[] = {
     {.name = "horizon", .help = "water, foam and spray from 1 m to 100 km before the camera `along`",
      .make = make_horizon, .from = {0, 0, 1}, .floor = -INFINITY, .n_views = SSFR_COUNT(horizon_views),
      .views = horizon_views},
-    {.name = "empty", .help = "no particle", .make = make_empty, .floor = NAN},
 };
 
 const ssfr_builtin *ssfr_builtin_find(const char *name)
