@@ -45,6 +45,22 @@ static double brightest_pixel(const ssfr_field *image)
     return most;
 }
 
+static bool ran(const ssfr_graph *graph, const char *node)
+{
+    const ssfr_report *report = ssfr_graph_report(graph);
+    bool found = false;
+    for (int i = 0; i < report->n_nodes && !found; i++)
+        found = strcmp(report->nodes[i].node, node) == 0 && report->nodes[i].status == SSFR_RAN;
+    return found;
+}
+
+/* It adds to what is behind it, each particle at most its colour. */
+static double brightest_spray(const ssfr_graph *graph, const ssfr_scene *scene)
+{
+    const double n = scene->particles && ran(graph, "spray") ? (double)scene->particles->n : 0;
+    return n * largest(graph, "spray.strength", true) * largest(graph, "spray.color_", false);
+}
+
 static double brightest_of(const ssfr_graph *graph, const ssfr_scene *scene, const ssfr_field *behind)
 {
     static const char *const foams[] = {"noise_foam.color_", ".c_ff_", ".c_fb_", ".base_color_"};
@@ -53,7 +69,7 @@ static double brightest_of(const ssfr_graph *graph, const ssfr_scene *scene, con
     double foam = 0;
     seen = fmax(seen, fmax(largest(graph, "sky.", false), largest(graph, "medium.color_", false)));
     for (size_t i = 0; i < SSFR_COUNT(foams); i++) foam = fmax(foam, largest(graph, foams[i], false));
-    return seen + light * (foam + largest(graph, ".specular", true));
+    return seen + light * (foam + largest(graph, ".specular", true)) + brightest_spray(graph, scene);
 }
 
 ssfr_bounds ssfr_inspect_bounds(const ssfr_graph *graph, const ssfr_scene *scene, const ssfr_field *behind)
@@ -72,6 +88,7 @@ ssfr_bounds ssfr_inspect_bounds(const ssfr_graph *graph, const ssfr_scene *scene
     const double radius = p ? p->radius * fmax(1, largest(graph, ".radius_scale", true)) : 0;
     bounds.nearest += radius;
     bounds.farthest -= radius;
+    bounds.leaning = radius * (hypot(largest(graph, ".stretch", true), 1) - 1);
     return bounds;
 }
 
@@ -91,8 +108,10 @@ static bool is_of_particles(ssfr_slot_id id)
 static range range_of(ssfr_slot_id id, const ssfr_bounds *b)
 {
     range r = {-INFINITY, INFINITY};
+    const double leaning = id == SSFR_SLOT_foam_depth ? b->leaning : 0, nearest = b->nearest + leaning,
+                 farthest = b->farthest - leaning;
     if (is_of_particles(id))
-        r = (range){b->farthest - slack * fabs(b->farthest), b->nearest + slack * fabs(b->nearest)};
+        r = (range){farthest - slack * fabs(farthest), nearest + slack * fabs(nearest)};
     else if (strcmp(ssfr_slots[id].exr, "T") == 0)
         r.lo = 0;
     else if (id == SSFR_SLOT_color)

@@ -4,11 +4,11 @@
  * finite: all values of all images that the pipeline writes are finite.
  * bounded: in all of these images
  *  - a surface of the fluid is no nearer than the nearest sphere of a particle begins and no farther than the farthest
- *    ends, spheres being as large as the largest splats;
+ *    ends, spheres being as large as the largest splats, and one of foam by what its quad leans out of them;
  *  - a length of fluid is not negative;
  *  - the picture is not negative, and no brighter than the sum of the brightest that there is to be seen (the scene
  *    without fluid, sky or environment, white under the light, the water's own colour), of the highest highlight and of
- *    the brightest foam.
+ *    the brightest foam, and where there is spray, of all its particles.
  * Smoothing that is not stable leaves the first, errors of signs or of shares that do not add up to one the others. */
 #ifndef SSFR_INSPECT_H
 #define SSFR_INSPECT_H
@@ -17,6 +17,7 @@
 
 typedef struct ssfr_bounds {
     double nearest, farthest; /* m, eye-space z of surfaces of the fluid; without particles none is within them */
+    double leaning;           /* m, how much nearer or farther foam may be, whose quads lean along its velocity */
     double brightest;         /* of the picture */
 } ssfr_bounds;
 

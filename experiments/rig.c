@@ -14,6 +14,7 @@ typedef struct cached { /* a shot and the run that it belongs to */
     ssfr_shot shot;
     ssfr_measured *measured; /* NULL when it was run only once, to be looked at */
     ssfr_paired paired;      /* with the frame that it is held against */
+    double same_picture;     /* as that frame's: 1, else 0; NaN where there is none */
     ssfr_inspected inspected;
     ssfr_report report;      /* its numbers: `nodes` is not kept */
     double foam_share, spray_share;
@@ -351,6 +352,27 @@ static void find_base(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_A
     }
 }
 
+static ssfr_result hash_picture(const ssfr_graph *graph, char text[17])
+{
+    ssfr_field *picture = NULL;
+    const ssfr_result result = ssfr_graph_read(graph, "color", &picture);
+    if (result == SSFR_OK) ssfr_inspect_hash(picture, text);
+    ssfr_field_destroy(&picture);
+    return result;
+}
+
+/* Of the last frames of a run's graph and of that which it is held against. */
+static ssfr_result compare_pictures(cached *c, const ssfr_subject subjects[SSFR_MAX_SUBJECTS])
+{
+    ssfr_result result = SSFR_OK;
+    char own[17], base[17];
+    SSFR_TRY(hash_picture(subjects[0].graph, own));
+    SSFR_TRY(hash_picture(subjects[1].graph, base));
+    c->same_picture = strcmp(own, base) == 0;
+end:
+    return result;
+}
+
 /* By turns with the frame that it is held against, where there is one. What is compared but goes into no picture is not
  * to be paid for: only results are wanted while they are timed. */
 static ssfr_result measure(ssfr_rig *rig, cached *c, ssfr_graph *graph, const size_t index[SSFR_MAX_AXES])
@@ -372,6 +394,8 @@ static ssfr_result measure(ssfr_rig *rig, cached *c, ssfr_graph *graph, const si
     }
     SSFR_TRY(ssfr_measure_subjects(measured, &c->paired, pair ? 2 : 1, subjects, &rig->stage->scene,
                                    &rig->o->measure));
+    c->same_picture = NAN;
+    if (pair) SSFR_TRY(compare_pictures(c, subjects));
     c->measured = measured[0];
     measured[0] = NULL;
     SSFR_TRY(ssfr_shot_want(graph, pipeline, true));
@@ -474,6 +498,7 @@ static ssfr_result put_frame(const ssfr_rig *rig, const cached *c, double bandwi
         row->values[SSFR_COLUMN_ms_saved] = c->paired.saved;
         row->values[SSFR_COLUMN_ms_ratio] = c->paired.ratio;
         row->values[SSFR_COLUMN_ms_ratio_mad] = c->paired.ratio_mad;
+        row->values[SSFR_COLUMN_same_picture] = c->same_picture;
         row->values[SSFR_COLUMN_covered] = c->report.covered;
         row->values[SSFR_COLUMN_packets] = c->report.n_packets;
         row->values[SSFR_COLUMN_packets_seen] = c->report.n_packets_seen;

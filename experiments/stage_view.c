@@ -5,7 +5,7 @@
 static const double margin = 0.05;       /* of half the image, left free around the framed box */
 static const double elevation = 25;      /* degrees above the horizon that the default view looks down from */
 static const double default_fov = 45;    /* degrees, full vertical */
-static const double depth_ratio = 1e4;   /* far over near at most: what is left of window depth */
+static const double depth_ratio = 1e6;   /* far over near at most: from 1 m to 100 km, and a little */
 static const double range_slack = 1.01;  /* near and far stand this far off the particles */
 
 void ssfr_stage_bounds(const ssfr_stage *stage, double lo[3], double hi[3])
@@ -135,10 +135,14 @@ static ssfr_result check_camera_time(const ssfr_stage *stage, const ssfr_view *v
 ssfr_result ssfr_stage_find_view(const ssfr_stage *stage, const ssfr_stage_options *options, const ssfr_view **out)
 {
     ssfr_result result = SSFR_OK;
+    const ssfr_builtin *builtin = stage->source.builtin;
     *out = NULL;
-    if (!stage->description && options->camera)
+    if (!stage->description && options->camera && !(builtin && builtin->n_views))
         return ssfr_fail(SSFR_ERR_UNKNOWN, "--camera %s: %s has no cameras", options->camera, stage->name);
-    if (stage->description) SSFR_TRY(ssfr_description_view(stage->description, options->camera, out));
+    if (builtin && options->camera)
+        SSFR_TRY(ssfr_view_find(builtin->n_views, builtin->views, builtin->name, options->camera, out));
+    else if (stage->description)
+        SSFR_TRY(ssfr_description_view(stage->description, options->camera, out));
     SSFR_TRY(check_camera_time(stage, *out, options->camera_time));
 end:
     return result;

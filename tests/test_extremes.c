@@ -138,14 +138,79 @@ static void no_floor(test_scene *s)
     s->scene.floor = -INFINITY;
 }
 
+/* ---- water that moves -------------------------------------------------------------------------------------------- */
+
+/* What moves at `speed` along x, of the density at rest; the frame has a time. */
+static void set_moving(test_scene *s, double speed)
+{
+    ssfr_particles *p = s->particles;
+    assert_int_equal(ssfr_alloc(&p->velocity, 3 * p->n, sizeof *p->velocity, "velocities"), SSFR_OK);
+    assert_int_equal(ssfr_alloc(&p->density, p->n, sizeof *p->density, "densities"), SSFR_OK);
+    for (size_t i = 0; i < p->n; i++) {
+        p->velocity[3 * i] = (float)speed;
+        p->density[i] = (float)SSFR_REST_DENSITY;
+    }
+    s->scene.timed = true;
+}
+
+static void at_rest(test_scene *s)
+{
+    usual(s);
+    set_moving(s, 0);
+}
+
+static void at_1_m_a_second(test_scene *s)
+{
+    usual(s);
+    set_moving(s, 1);
+}
+
+static void at_1e30_m_a_second(test_scene *s)
+{
+    usual(s);
+    set_moving(s, 1e30);
+}
+
+/* Each other particle is foam. */
+static void a_thousand_large_particles_at_one_place(test_scene *s)
+{
+    static const double positions[3 * 1000];
+    test_scene_create(s, 1000, positions, 1);
+    set_moving(s, 0);
+    for (size_t i = 0; i < s->particles->n; i += 2) s->particles->velocity[3 * i] = 2;
+    test_scene_look(s, (const double[3]){0, 0, 6}, (const double[3]){0, 0, 0}, 45, 24, 16);
+}
+
+/* From 1 m to 100 km, each row at 1.5 of the distance of the one before; the outer ones are foam, some are spray. */
+static void from_1_m_to_100_km(test_scene *s)
+{
+    enum { ROWS = 29, COLUMNS = 16 };
+    static double positions[ROWS * COLUMNS][3];
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        const double distance = pow(10, 5.0 * (i / COLUMNS) / (ROWS - 1)), slope = (i % COLUMNS - 7.5) / 12;
+        memcpy(positions[i], (double[3]){slope * distance, (0.02 * (i / COLUMNS) - 0.3) * distance, -distance},
+               sizeof positions[i]);
+    }
+    test_scene_create(s, ROWS * COLUMNS, positions[0], 0.25);
+    set_moving(s, 0);
+    for (size_t i = 0; i < s->particles->n; i++) {
+        s->particles->velocity[3 * i] = (float)(i % COLUMNS) / 8;
+        if (i % 16 == 5) s->particles->density[i] = 300;
+    }
+    test_scene_look(s, (const double[3]){0, 0, 0}, (const double[3]){0, 0, -1}, 45, 96, 64);
+    s->scene.camera.far = 1e6;
+    s->scene.floor = -INFINITY;
+}
+
 typedef struct extreme {
     const char *name;
     void (*create)(test_scene *);
-    const char *settings[4];
+    const char *settings[6], *pipeline; /* NULL: vanderlaan2009 */
 } extreme;
 
-#define SCENE(name) {#name, name, {NULL}}
-#define PARAMS(...) {#__VA_ARGS__, usual, {__VA_ARGS__, NULL}}
+#define SCENE(name) {#name, name, {NULL}, NULL}
+#define PARAMS(...) {#__VA_ARGS__, usual, {__VA_ARGS__, NULL}, NULL}
+#define MOVING(name, ...) {#name ": " #__VA_ARGS__, name, {__VA_ARGS__, NULL}, "bagar2010"}
 
 static const extreme views[] = {
     SCENE(no_particle_in_the_frustum), SCENE(all_behind_the_eye), SCENE(a_particle_that_contains_the_eye),
@@ -154,8 +219,8 @@ static const extreme views[] = {
     SCENE(a_view_of_170_degrees), SCENE(a_near_plane_of_a_micrometre), SCENE(a_near_plane_that_cuts_the_fluid),
     SCENE(an_eye_a_kilometre_away), SCENE(particles_that_all_stand_at_one_place), SCENE(an_eye_inside_a_solid),
     SCENE(a_view_straight_down), SCENE(a_floor_through_the_eye), SCENE(no_floor),
-    {"odd sizes at an eighth", odd_sizes, {"downsample.factor=8", NULL}},
-    {"one pixel at an eighth", one_pixel, {"downsample.factor=8", NULL}},
+    {"odd sizes at an eighth", odd_sizes, {"downsample.factor=8", NULL}, NULL},
+    {"one pixel at an eighth", one_pixel, {"downsample.factor=8", NULL}, NULL},
 };
 
 static const extreme params[] = {
@@ -196,6 +261,29 @@ static const extreme params[] = {
     PARAMS("floor.haze=1e9"),
 };
 
+static const extreme moving[] = {
+    MOVING(at_rest, NULL),
+    MOVING(at_rest, "weber.threshold=0"),
+    MOVING(at_rest, "weber.threshold=0", "weber.transition=weber"),
+    MOVING(at_rest, "sparse.density_threshold=1e9"),
+    MOVING(at_rest, "sphere_depth.off=1", "layer_thickness.off=1", "weber.threshold=0"),
+    MOVING(at_1e30_m_a_second, NULL),
+    MOVING(at_1e30_m_a_second, "foam_depth.plane=view", "foam_thickness.plane=view"),
+    MOVING(at_1e30_m_a_second, "sparse.density_threshold=1e9"),
+    MOVING(at_1e30_m_a_second, "weber.threshold=1e308"),
+    MOVING(at_1e30_m_a_second, "weber.threshold=1e308", "weber.transition=weber"),
+    /* Half of each particle is foam: it is exactly where the water is. */
+    MOVING(at_1_m_a_second, "weber.threshold=1000", "weber.transition=weber"),
+    MOVING(at_1_m_a_second, "weber.threshold=1000", "weber.transition=weber", "sphere_depth.splat=exact",
+           "layer_thickness.layers=fragment", "foam_thickness.front=fragment"),
+    MOVING(at_1_m_a_second, "adaptive_flow.depth_falloff=0", "layer_composite.depth_thresh=0"),
+    MOVING(at_1_m_a_second, "adaptive_flow.depth_falloff=1e6", "layer_composite.depth_thresh=1e6"),
+    MOVING(at_1_m_a_second, "adaptive_flow.step=100"),
+    MOVING(at_1_m_a_second, "adaptive_flow.step=100", "adaptive_flow.unstable=substep"),
+    MOVING(from_1_m_to_100_km, NULL),
+    MOVING(from_1_m_to_100_km, "sphere_depth.splat=exact", "layer_thickness.splat=exact"),
+};
+
 static const extreme unstable[] = {
     PARAMS("curvature_flow.unstable=allow", "curvature_flow.step=2", "curvature_flow.iterations=500"),
     PARAMS("curvature_flow.unstable=allow", "curvature_flow.step=100"),
@@ -222,7 +310,7 @@ static void assert_finite(const ssfr_graph *graph, const char *name)
 /* The picture of an extreme, with every image made and found finite. */
 static ssfr_field *draw(const extreme *e, ssfr_gl *gl, const ssfr_scene *scene, const char *splat)
 {
-    ssfr_graph *graph = test_graph(ssfr_pipeline_find("vanderlaan2009"), gl);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find(e->pipeline ? e->pipeline : "vanderlaan2009"), gl);
     if (splat)
         for (int i = 0; i < 3; i++) {
             static const char *const keys[] = {"sphere_depth.splat", "thickness.splat", "surface_noise.splat"};
@@ -263,6 +351,53 @@ static void extreme_parameters_are_finite_and_agree(void **state)
     assert_agree(params, SSFR_COUNT(params), NULL, test_backend(state));
 }
 
+static void extremes_of_what_moves_are_finite_and_agree(void **state)
+{
+    assert_agree(moving, SSFR_COUNT(moving), NULL, test_backend(state));
+}
+
+/* 500 chords of 2 m, a hundredfold: 100 km of water. Halves end at 65504. */
+static void a_picture_of_more_thickness_than_halves_hold_is_that_of_floats(void **state)
+{
+    ssfr_gl *gl = test_backend(state);
+    static const char *const storages[] = {"layer_thickness.storage=half", "layer_thickness.storage=float"};
+    ssfr_field *pictures[2];
+    test_scene s;
+    a_thousand_large_particles_at_one_place(&s);
+    for (int k = 0; k < 2; k++) {
+        ssfr_graph *graph = test_graph(ssfr_pipeline_find("bagar2010"), gl);
+        test_graph_set(graph, (const char *[]){storages[k], "layer_thickness.scale=100", NULL});
+        pictures[k] = test_graph_picture(graph, &s.scene, "color", false);
+        ssfr_field *water = test_graph_read(graph, "thickness_back");
+        double most = 0;
+        for (int i = 0; i < water->w * water->h; i++) most = fmax(most, water->data[i]);
+        assert_true(k == 0 ? most >= 65504 : most > 9e4 && most < 1.01e5);
+        ssfr_field_destroy(&water);
+        ssfr_graph_destroy(&graph);
+    }
+    assert_true(test_psnr(pictures[0], pictures[1]) > 50);
+    for (int k = 0; k < 2; k++) ssfr_field_destroy(&pictures[k]);
+    test_scene_destroy(&s);
+}
+
+/* Nothing has changed between two frames of one time: neither does the foam. */
+static void a_time_step_of_zero_changes_nothing(void **state)
+{
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("bagar2010"), test_backend(state));
+    test_scene s, again;
+    at_1_m_a_second(&s), at_1_m_a_second(&again);
+    test_graph_set(graph, (const char *[]){"weber.threshold=1000", "weber.fade_in_min=0", NULL});
+    ssfr_field *first = test_graph_picture(graph, &s.scene, "color", false);
+    ssfr_field *second = test_graph_picture(graph, &again.scene, "color", false);
+    assert_int_equal(test_graph_node(graph, "weber")->status, SSFR_RAN);
+    assert_false(test_graph_node(graph, "weber")->kept);
+    assert_int_equal(test_graph_node(graph, "foam_depth")->status, SSFR_RAN);
+    assert_int_equal(test_n_different(first, second), 0);
+    ssfr_field_destroy(&first), ssfr_field_destroy(&second);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s), test_scene_destroy(&again);
+}
+
 static void what_is_beyond_all_bounds_stays_finite(void **state)
 {
     ssfr_gl *gl = test_backend(state);
@@ -293,7 +428,7 @@ static void a_thousand_kilometres_from_the_origin_the_picture_is_the_same(void *
 {
     static const double places[][3] = {{1e6, 0, 0}, {-8e5, 1e6, 4e5}, {1e6, -1e6, 1e6}};
     ssfr_gl *gl = test_backend(state);
-    const extreme plain = {"far", usual, {"noise_normals.height=0", NULL}};
+    const extreme plain = {"far", usual, {"noise_normals.height=0", NULL}, NULL};
     test_scene s;
     create_far(&s, (const double[3]){0, 0, 0});
     ssfr_field *expected = draw(&plain, gl, &s.scene, NULL);
@@ -314,7 +449,7 @@ static void an_image_of_8192_by_8192_pixels_is_finite(void **state)
 {
     if (!getenv("SSFR_BIG")) skip();
     ssfr_gl *gl = test_backend(state);
-    const extreme large = {"large", usual, {NULL}};
+    const extreme large = {"large", usual, {NULL}, NULL};
     test_scene s;
     usual(&s);
     test_scene_look(&s, place, aim, 45, 8192, 8192);
@@ -351,6 +486,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         ON_BOTH(extreme_views_are_finite_and_agree),
         ON_BOTH(extreme_parameters_are_finite_and_agree),
+        ON_BOTH(extremes_of_what_moves_are_finite_and_agree),
+        ON_BOTH(a_picture_of_more_thickness_than_halves_hold_is_that_of_floats),
+        ON_BOTH(a_time_step_of_zero_changes_nothing),
         ON_BOTH(what_is_beyond_all_bounds_stays_finite),
         ON_BOTH(a_thousand_kilometres_from_the_origin_the_picture_is_the_same),
         ON_BOTH(an_image_of_8192_by_8192_pixels_is_finite),

@@ -103,6 +103,38 @@ static void bounds_are_those_of_particles_parameters_and_scene(void **state)
     test_scene_destroy(&s);
 }
 
+/* Its quads reach nearer than its spheres; spray adds up. */
+static void foam_may_lean_out_of_its_spheres_and_spray_adds_to_the_picture(void **state)
+{
+    static const double places[] = {0, 0, 0, 0.3, 0.1, -1.5, 0, 0.2, 0.75};
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    test_scene_create(&s, 3, places, 0.1);
+    test_scene_look(&s, (const double[3]){0, 0, 2}, (const double[3]){0, 0, 0}, 45, W, H);
+    ssfr_graph *graph = test_graph(ssfr_pipeline_find("bagar2010"), gl);
+    test_graph_set(graph, (const char *[]){"foam_depth.stretch=4", "spray.color_b=2", "spray.strength=3", NULL});
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    const ssfr_bounds dry = ssfr_inspect_bounds(graph, &s.scene, NULL);
+    assert_close(dry.leaning, 0.1 * (sqrt(17) - 1), 1e-12, 0);
+    ssfr_inspected inspected = {true, true};
+    ssfr_field *image = NULL;
+    assert_int_equal(ssfr_field_create(&image, 1, 1, 1), SSFR_OK);
+    image->data[0] = dry.nearest + 0.9 * dry.leaning;
+    ssfr_inspect_image(&inspected, "foam_depth", image, &dry);
+    assert_true(inspected.bounded);
+    ssfr_inspect_image(&inspected, "fluid_depth", image, &dry);
+    assert_false(inspected.bounded);
+    float thin[3] = {300, 300, 300};
+    s.particles->density = thin;
+    s.particles->serial++;
+    assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+    assert_close(ssfr_inspect_bounds(graph, &s.scene, NULL).brightest, dry.brightest + 3 * 3 * 2, 1e-9, 0);
+    s.particles->density = NULL;
+    ssfr_field_destroy(&image);
+    ssfr_graph_destroy(&graph);
+    test_scene_destroy(&s);
+}
+
 static void without_particles_no_surface_is_bounded(void **state)
 {
     (void)state;
@@ -204,6 +236,7 @@ int main(void)
         cmocka_unit_test(lengths_of_fluid_are_not_negative),
         cmocka_unit_test(the_picture_is_within_what_there_is_to_be_seen),
         cmocka_unit_test(bounds_are_those_of_particles_parameters_and_scene),
+        ON_BOTH(foam_may_lean_out_of_its_spheres_and_spray_adds_to_the_picture),
         cmocka_unit_test(without_particles_no_surface_is_bounded),
         ON_BOTH(usual_frames_are_finite_and_bounded),
         cmocka_unit_test(a_frame_that_cannot_run_is_an_error),

@@ -380,6 +380,59 @@ static void what_is_left_out_is_what_is_not_needed(void **state)
     }
 }
 
+static void foams_without_solids(test_scene *s)
+{
+    block_that_foams(s);
+    s->scene.n_solids = 0;
+}
+
+static void foams_out_of_view(test_scene *s)
+{
+    block_that_foams(s);
+    test_scene_look(s, (const double[3]){0.35, 0.62, 1.25}, (const double[3]){0.5, 0.7, 3}, 45, W, H);
+}
+
+/* No foam in view: no foam pass, no layer split, one thickness. No caster of shadows: no shadow map. No spray in view:
+ * no spray pass. */
+static void layers_are_left_out_by_what_is_in_view(void **state)
+{
+    static const char *const names[] = {"weber", "sparse", "foam_depth", "layer_thickness", "foam_thickness",
+                                        "shadow_map", "shadow_basis", "shadow", "spray"};
+    static const struct {
+        void (*scene)(test_scene *);
+        const char *settings[3], *expected;
+        bool split; /* water before the foam has a thickness of its own */
+    } cases[] = {
+        {block_that_foams, {NULL}, "RRRRRRRRR", true},
+        {block_that_foams, {"weber.threshold=1e9", NULL}, "RRNRNRRRR", false},
+        {block_that_foams, {"weber.off=1", NULL}, "ORNRNRRRR", false},
+        {block_that_foams, {"sparse.density_threshold=0", NULL}, "RRRRRRRRN", true},
+        {block_that_foams, {"weber.off=1", "sparse.density_threshold=0", NULL}, "ONNRNRRRN", false},
+        {block_that_foams, {"spray.strength=0", NULL}, "RRRRRRRRN", true},
+        {block, {NULL}, "NRNRNRRRN", false},
+        {foams_without_solids, {NULL}, "RRRRRUUNR", true},
+        {foams_out_of_view, {NULL}, "RRUUUUUUN", false},
+        {empty, {NULL}, "NRUUUUUUN", false},
+    };
+    ssfr_gl *gl = test_backend(state);
+    for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
+        test_scene s;
+        char got[SSFR_COUNT(names) + 1] = "";
+        ssfr_graph *graph = test_graph(ssfr_pipeline_find("bagar2010"), gl);
+        cases[i].scene(&s);
+        test_graph_set(graph, cases[i].settings);
+        assert_int_equal(ssfr_graph_run(graph, &s.scene, NULL), SSFR_OK);
+        for (size_t k = 0; k < SSFR_COUNT(names); k++) got[k] = "ROUNG"[test_graph_node(graph, names[k])->status];
+        if (strcmp(got, cases[i].expected) != 0)
+            fail_msg("case %zu: %s, expected %s", i, got, cases[i].expected);
+        ssfr_field *front = test_graph_read(graph, "thickness_front");
+        assert_true((front->w > 1) == cases[i].split);
+        ssfr_field_destroy(&front);
+        ssfr_graph_destroy(&graph);
+        test_scene_destroy(&s);
+    }
+}
+
 static void an_input_that_is_not_read_runs_nothing(void **state)
 {
     static const char *const names[] = {"downsample", "adaptive_flow", "upsample", "normals", "layer_composite"};
@@ -503,6 +556,7 @@ int main(void)
         ON_BOTH(packets_behind_the_eye_are_not_drawn_unless_asked_for),
         ON_BOTH(water_of_which_nothing_is_known_is_drawn_as_without_foam),
         ON_BOTH(what_is_left_out_is_what_is_not_needed),
+        ON_BOTH(layers_are_left_out_by_what_is_in_view),
         ON_BOTH(an_input_that_is_not_read_runs_nothing),
         ON_BOTH(spray_asks_for_the_surface_where_that_hides_it),
         ON_BOTH(a_picture_is_the_same_whether_its_border_is_wanted),

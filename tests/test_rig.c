@@ -395,6 +395,7 @@ static void a_row_is_held_against_another(void **state)
     run_row(&f, 1, &few);
     assert_true(isfinite(base.values[SSFR_COLUMN_ms_saved]) && base.values[SSFR_COLUMN_ms_ratio] > 0);
     assert_true(few.values[SSFR_COLUMN_ms_ratio] > 0 && few.values[SSFR_COLUMN_ms_ratio_mad] >= 0);
+    assert_true(base.values[SSFR_COLUMN_same_picture] == 1 && few.values[SSFR_COLUMN_same_picture] == 0);
     assert_close(base.added[0], 0, 0, 0);
     assert_true(few.added[0] != 0);
     assert_close(few.added[0], few.values[SSFR_COLUMN_ref_depth_rms] - base.values[SSFR_COLUMN_ref_depth_rms], 0, 0);
@@ -431,7 +432,7 @@ static void without_another_row_nothing_is_saved_or_added(void **state)
     run_row(&f, 0, &row);
     assert_true(isnan(row.values[SSFR_COLUMN_ms_saved]) && isnan(row.values[SSFR_COLUMN_ms_ratio]) &&
                 isnan(row.values[SSFR_COLUMN_ms_ratio_mad]) && isnan(row.added[0]));
-    assert_true(isnan(row.values[SSFR_COLUMN_camera_time]));
+    assert_true(isnan(row.values[SSFR_COLUMN_same_picture]) && isnan(row.values[SSFR_COLUMN_camera_time]));
     end(&f);
 }
 

@@ -247,6 +247,23 @@ static void nonfinite_particles_are_refused_or_dropped(void **state)
     ssfr_stage_destroy(&stage);
 }
 
+static void cameras_of_built_in_scenes_are_taken_by_name(void **state)
+{
+    (void)state;
+    ssfr_stage_options options = defaults();
+    options.camera = "along";
+    ssfr_stage *stage = make("horizon", &options);
+    const ssfr_camera *camera = &stage->scene.camera;
+    assert_close(ssfr_dot(camera->eye, camera->eye), 0, 0, 0);
+    assert_close(camera->back[2], 1, 1e-12, 0);
+    assert_true(camera->near < 0.75 && camera->far > 1e5); /* the first spheres begin at 0.75 m */
+    ssfr_stage_destroy(&stage);
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_stage_create(&stage, "splash", &options),
+                 "splash: no camera along: there are close, grazing, away, aside");
+    assert_fails(SSFR_ERR_UNKNOWN, ssfr_stage_create(&stage, "block", &options),
+                 "--camera along: block has no cameras");
+}
+
 static void a_name_that_is_nothing_is_refused_with_the_names_there_are(void **state)
 {
     (void)state;
@@ -493,6 +510,7 @@ int main(void)
         cmocka_unit_test(an_empty_scene_has_a_default_view),
         cmocka_unit_test(a_given_radius_replaces_the_scenes_own),
         cmocka_unit_test(nonfinite_particles_are_refused_or_dropped),
+        cmocka_unit_test(cameras_of_built_in_scenes_are_taken_by_name),
         cmocka_unit_test(a_name_that_is_nothing_is_refused_with_the_names_there_are),
         cmocka_unit_test(a_frame_has_its_particles_solids_and_time),
         cmocka_unit_test(the_default_frame_is_two_thirds_of_the_way),

@@ -125,7 +125,10 @@ ssfr_solid ssfr_body_at(const ssfr_description *description, const ssfr_body *bo
 /* An emitter's place and direction at a time. */
 ssfr_emitter ssfr_emitter_at(const ssfr_description *description, const ssfr_emitter *emitter, double time);
 
-/* A view by name, or an error that lists those there are. name NULL: the first, NULL when there is none. */
+/* A view by name, or an error that lists those there are. */
+SSFR_MUST ssfr_result ssfr_view_find(int n, const ssfr_view *views, const char *scene, const char *name,
+                                     const ssfr_view **out);
+/* The same of a description; name NULL: the first, NULL when there is none. */
 SSFR_MUST ssfr_result ssfr_description_view(const ssfr_description *description, const char *name,
                                             const ssfr_view **out);
 /* The key of a view at a time: from the spline through its keys; before the first and after the last it stands. */

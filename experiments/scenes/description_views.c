@@ -150,15 +150,20 @@ end:
     return result;
 }
 
-ssfr_result ssfr_description_view(const ssfr_description *d, const char *name, const ssfr_view **out)
+ssfr_result ssfr_view_find(int n, const ssfr_view *views, const char *scene, const char *name, const ssfr_view **out)
 {
     char list[400] = "none";
     size_t used = 0;
-    *out = !name && d->n_views > 0 ? &d->views[0] : NULL;
-    if (!name) return SSFR_OK;
-    for (int i = 0; i < d->n_views && !*out; i++) {
-        if (strcmp(d->views[i].name, name) == 0) *out = &d->views[i];
-        ssfr_list_name(list, sizeof list, &used, d->views[i].name);
+    *out = NULL;
+    for (int i = 0; i < n && !*out; i++) {
+        if (strcmp(views[i].name, name) == 0) *out = &views[i];
+        ssfr_list_name(list, sizeof list, &used, views[i].name);
     }
-    return *out ? SSFR_OK : ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no camera %s: there are %s", d->name, name, list);
+    return *out ? SSFR_OK : ssfr_fail(SSFR_ERR_UNKNOWN, "%s: no camera %s: there are %s", scene, name, list);
+}
+
+ssfr_result ssfr_description_view(const ssfr_description *d, const char *name, const ssfr_view **out)
+{
+    *out = !name && d->n_views > 0 ? &d->views[0] : NULL;
+    return name ? ssfr_view_find(d->n_views, d->views, d->name, name, out) : SSFR_OK;
 }

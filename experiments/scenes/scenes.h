@@ -15,6 +15,8 @@ typedef struct ssfr_builtin {
     double floor;   /* m, world y; NaN: just below the particles; -inf: none */
     int n_solids;
     const ssfr_solid *solids;
+    int n_views;            /* cameras beside the default view */
+    const ssfr_view *views;
 } ssfr_builtin;
 
 const ssfr_builtin *ssfr_builtin_find(const char *name); /* NULL when there is none */
