@@ -13,7 +13,8 @@ enum { STEPS = SSFR_COUNT(palette) - 1 };
 static const double nothing = 0.6; /* grey, sRGB */
 static const double left_out = 0.02; /* share of the pixels beyond each end of a range that nobody gave */
 
-static bool is_there(double value, double neutral) { return isfinite(value) && value != neutral; }
+/* As the floats that a GPU stores. */
+static bool is_there(double value, double neutral) { return isfinite(value) && (float)value != (float)neutral; }
 
 static int by_value(const void *p, const void *q)
 {
