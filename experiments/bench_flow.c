@@ -11,12 +11,15 @@
 typedef struct words {
     const char *output;
     bool quick, no_plot;
+    ssfr_list views;
     ssfr_bumps_setup bumps;
 } words;
 
 #define ROW(...) SSFR_OPTION(words, __VA_ARGS__)
 static const ssfr_option rows[] = {
     ROW(output, "output", 'o', TEXT, "FILE.csv", "write the table as CSV too, beside it .meta.json and .svg", 0, 0),
+    ROW(views, "view", 0, LIST, "NAME=SCENE,CAMERA,FRAME",
+        "in the place of SCENE: a view of that name; can be repeated, for a table of several", 0, 0),
     ROW(quick, "quick", 0, FLAG, NULL, "without a scene: three distances instead of ten", 0, 0),
     ROW(no_plot, "no-plot", 0, FLAG, NULL, "draw no chart", 0, 0),
     SSFR_OPTION_END,
@@ -81,25 +84,28 @@ static const ssfr_panel plane_panels[] = {
 };
 
 static const ssfr_column view_columns[] = {
+    {"view", "1", 0, "its name, where there are several"},
     {"scene", "1", 0, "what is seen"},
     {"camera", "1", 0, "from where"},
-    {"what", "1", 0, "steps: that pixels take, by their depth before the first; before, after: mean curvature of the "
-                     "surface there, its magnitude, where no silhouette is in the way"},
-    {"at", "1", 0, "a number of steps, or a share of the pixels"},
+    {"what", "1", 0, "steps: that pixels take, by their depth before the first; range: the fewest and the most of these; "
+                     "before, after: mean curvature of the surface there, its magnitude, where no silhouette is in "
+                     "the way"},
+    {"at", "1", 0, "a number of steps, or a share of the pixels: of range 0, the fewest, and 1, the most"},
     {"status", "1", 0, "ok, or why there is nothing"},
     {"pixels", "1", 0, "that take so many steps; of curvatures all that have one"},
     {"share", "1", 0, "of these pixels: that take so many steps, or whose curvature is at most this"},
+    {"steps", "1", 0, "of range"},
     {"curvature", "1/m", 0, "quantile"},
     {"curvature_radii", "1/radii", 0, "the same in particle radii"},
 };
 static const ssfr_shown view_shown[] = {
-    {"what", "what", NULL, 0}, {"at", "at", NULL, 0}, {"pixels", "pixels", NULL, 0}, {"share", "share %", "%.2f", 100},
-    {"curvature", "1/m", "%.4g", 1}, {"curvature_radii", "1/radii", "%.4g", 1}};
+    {"view", "view", NULL, 0}, {"what", "what", NULL, 0}, {"at", "at", NULL, 0}, {"pixels", "pixels", NULL, 0}, {"share", "share %", "%.2f", 100},
+    {"steps", "steps", "%.0f", 1}, {"curvature", "1/m", "%.4g", 1}, {"curvature_radii", "1/radii", "%.4g", 1}};
 static const ssfr_panel view_panels[] = {
     {.title = "Steps", .x = "at", .y = "share", .x_label = "steps that a pixel takes",
-     .y_label = "share of the pixels [%]", .y_factor = 100, .keys = {{"camera", NULL}}, .only = {{"what", "steps"}}},
+     .y_label = "share of the pixels [%]", .y_factor = 100, .keys = {{"view", NULL}, {"camera", NULL}}, .only = {{"what", "steps"}}},
     {.title = "Curvature", .x = "curvature_radii", .y = "share", .x_label = "magnitude of the mean curvature [1/radii]",
-     .y_label = "share of the pixels below [%]", .y_factor = 100, .log_x = true, .keys = {{"what", NULL}},
+     .y_label = "share of the pixels below [%]", .y_factor = 100, .log_x = true, .keys = {{"view", NULL}, {"what", NULL}},
      .only = {{"what", "before"}, {"what", "after"}}},
 };
 
@@ -108,8 +114,10 @@ static const ssfr_panel view_panels[] = {
      name##_columns, name##_shown, name##_panels}
 static const layout plane_layout = LAYOUT(plane, 3, "Widths, and what is left of bumps of 8 particle radii:",
                                           "Curvature flow of bumps on a plane that faces the eye");
-static const layout view_layout = LAYOUT(view, 4, "Steps and curvatures of the pixels:",
+static const layout view_layout = LAYOUT(view, 5, "Steps and curvatures of the pixels:",
                                          "Curvature flow: the pixels of a view");
+
+enum { MOST_VIEWS = 32 };
 
 typedef struct command {
     words words;
@@ -117,6 +125,10 @@ typedef struct command {
     int argc;
     char **argv;
     const layout *layout;
+    bool is_view;
+    char name[64]; /* of the view; empty where there is one alone */
+    int n_scenes;
+    ssfr_record scenes[MOST_VIEWS];
     ssfr_ledger table;
     ssfr_setup_options setup_options;
     ssfr_stage_options stage_options;
@@ -167,13 +179,14 @@ static bool is_shown_period(const ssfr_csv_table *table, size_t row)
 
 /* ---- a view ------------------------------------------------------------------------------------------------------ */
 
-static ssfr_result add_view_row(command *c, const char *what, double at, double pixels, double share, double curvature)
+static ssfr_result add_view_row(command *c, const char *what, double at, double pixels, double share, double steps,
+                                double curvature)
 {
     const ssfr_stage *stage = c->stage;
     char text[32];
     snprintf(text, sizeof text, "%g", at);
-    const char *const keys[] = {stage->name, c->stage_options.camera ? c->stage_options.camera : "", what, text};
-    const double numbers[] = {pixels, share, curvature, curvature * stage->particles->radius};
+    const char *const keys[] = {c->name, stage->name, c->stage_options.camera ? c->stage_options.camera : "", what, text};
+    const double numbers[] = {pixels, share, steps, curvature, curvature * stage->particles->radius};
     return ssfr_ledger_add(&c->table, keys, "ok", numbers);
 }
 
@@ -182,7 +195,21 @@ static ssfr_result add_steps(command *c, const ssfr_flow_pixels *p)
     ssfr_result result = SSFR_OK;
     for (int i = 0; i <= p->most; i++)
         if (p->counts[i])
-            SSFR_TRY(add_view_row(c, "steps", i, (double)p->counts[i], (double)p->counts[i] / (double)p->n, NAN));
+            SSFR_TRY(add_view_row(c, "steps", i, (double)p->counts[i], (double)p->counts[i] / (double)p->n, NAN,
+                                  NAN));
+end:
+    return result;
+}
+
+/* The fewest and the most that any pixel takes. */
+static ssfr_result add_range(command *c, const ssfr_flow_pixels *p)
+{
+    ssfr_result result = SSFR_OK;
+    int ends[2] = {0, p->most};
+    while (ends[0] < p->most && p->counts[ends[0]] == 0) ends[0]++;
+    while (ends[1] > 0 && p->counts[ends[1]] == 0) ends[1]--;
+    for (int i = 0; i < 2 && p->n > 0; i++)
+        SSFR_TRY(add_view_row(c, "range", i, (double)p->counts[ends[i]], NAN, ends[i], NAN));
 end:
     return result;
 }
@@ -193,23 +220,100 @@ static ssfr_result add_curvatures(command *c, const char *what, const ssfr_flow_
     ssfr_result result = SSFR_OK;
     for (size_t i = 0; i < SSFR_COUNT(shares) && k->n > 0; i++) {
         const double value = k->values[(size_t)(shares[i] * (double)k->n)];
-        SSFR_TRY(add_view_row(c, what, shares[i], (double)k->n, shares[i], value));
+        SSFR_TRY(add_view_row(c, what, shares[i], (double)k->n, shares[i], NAN, value));
     }
 end:
     return result;
 }
 
-static ssfr_result measure_view(command *c)
+static ssfr_result look(command *c)
 {
     ssfr_result result = SSFR_OK;
     ssfr_flow_pixels p = {0};
     SSFR_TRY(ssfr_graph_run(c->setup.graph, &c->stage->scene, NULL));
     SSFR_TRY(ssfr_flow_look(c->setup.graph, &p));
     SSFR_TRY(add_steps(c, &p));
+    SSFR_TRY(add_range(c, &p));
     SSFR_TRY(add_curvatures(c, "before", &p.before));
     SSFR_TRY(add_curvatures(c, "after", &p.after));
 end:
     ssfr_flow_pixels_finish(&p);
+    return result;
+}
+
+/* "NAME=SCENE,CAMERA,FRAME": its scene to scene[], which the options' words then point into. */
+static ssfr_result split_view(command *c, const char *view, char scene[256])
+{
+    char frame[16];
+    const char form[] = "%63[^=]=%255[^\n]";
+    char *camera, *number, *end;
+    const bool two = sscanf(view, form, c->name, scene) == 2;
+    number = two ? strrchr(scene, ',') : NULL;
+    if (number) *number++ = '\0';
+    camera = number ? strrchr(scene, ',') : NULL;
+    if (camera) *camera++ = '\0';
+    c->stage_options.frame = camera ? strtol(number, &end, 10) : -1;
+    snprintf(frame, sizeof frame, "%ld", c->stage_options.frame);
+    if (!camera || strcmp(frame, number) != 0 || c->stage_options.frame < 0)
+        return ssfr_fail(SSFR_ERR_VALUE, "--view %.80s: expected NAME=SCENE,CAMERA,FRAME", view);
+    c->stage_options.camera = camera;
+    return SSFR_OK;
+}
+
+static void close_view(command *c)
+{
+    ssfr_stage_destroy(&c->stage);
+    ssfr_setup_finish(&c->setup);
+}
+
+/* A scene's settings are of its views alone: each has a graph of its own. */
+static ssfr_result measure_view(command *c, const char *scene)
+{
+    ssfr_result result = SSFR_OK;
+    close_view(c);
+    SSFR_TRY(ssfr_setup_init(&c->setup, &c->setup_options, NULL));
+    SSFR_TRY(ssfr_stage_create(&c->stage, scene, &c->stage_options));
+    SSFR_TRY(ssfr_setup_scene(&c->setup, &c->setup_options, c->stage->description));
+    SSFR_TRY(ssfr_meta_record_scene(&c->scenes[c->n_scenes++], c->stage));
+    SSFR_TRY(look(c));
+end:
+    return result;
+}
+
+static ssfr_result measure_views(command *c)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_list *views = &c->words.views;
+    char scene[256];
+    if (c->line.arguments.n) SSFR_TRY(measure_view(c, c->line.arguments.items[0]));
+    for (int i = 0; i < (int)views->n; i++) {
+        ssfr_console_progress("bench flow", (size_t)i, (size_t)views->n);
+        SSFR_TRY(split_view(c, views->items[i], scene));
+        SSFR_TRY(measure_view(c, scene));
+    }
+end:
+    ssfr_console_progress("bench flow", 1, 1);
+    return result;
+}
+
+/* All that can be said before long work. */
+static ssfr_result check_views(command *c)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_list *views = &c->words.views, *scenes = &c->line.arguments;
+    ssfr_scene_source source;
+    char scene[256];
+    c->is_view = views->n > 0 || scenes->n > 0;
+    if (c->is_view) c->layout = &view_layout;
+    if (views->n > 0 && scenes->n > 0)
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: beside --view, which names scenes of its own", scenes->items[0]);
+    if (views->n > MOST_VIEWS) return ssfr_fail(SSFR_ERR_VALUE, "--view: %d views, at most %d", (int)views->n, MOST_VIEWS);
+    if (scenes->n) SSFR_TRY(ssfr_scene_find(scenes->items[0], &source));
+    for (int i = 0; i < (int)views->n; i++) {
+        SSFR_TRY(split_view(c, views->items[i], scene));
+        SSFR_TRY(ssfr_scene_find(scene, &source));
+    }
+end:
     return result;
 }
 
@@ -231,24 +335,22 @@ end:
 static ssfr_result save_meta(const command *c)
 {
     ssfr_result result = SSFR_OK;
-    ssfr_record scene = {0}, plane = {0};
-    if (c->stage) SSFR_TRY(ssfr_meta_record_scene(&scene, c->stage));
-    else SSFR_TRY(record_plane(&plane, &c->words.bumps));
+    ssfr_record plane = {0};
+    if (!c->is_view) SSFR_TRY(record_plane(&plane, &c->words.bumps));
     SSFR_TRY(ssfr_meta_save(c->words.output, &(ssfr_meta){.argc = c->argc,
                                                           .argv = c->argv,
                                                           .seed = c->line.seed,
-                                                          .pipeline = c->stage ? ssfr_pipeline_name(c->setup.pipeline)
+                                                          .pipeline = c->is_view ? ssfr_pipeline_name(c->setup.pipeline)
                                                                                : NULL,
                                                           .graph = c->setup.graph,
-                                                          .parameters = c->stage ? NULL : &plane,
+                                                          .parameters = c->is_view ? NULL : &plane,
                                                           .n_columns = c->layout->n_columns,
                                                           .columns = c->layout->columns,
-                                                          .n_scenes = c->stage ? 1 : 0,
-                                                          .scenes = &scene,
+                                                          .n_scenes = c->n_scenes,
+                                                          .scenes = c->scenes,
                                                           .bandwidth_gl = NAN,
                                                           .bandwidth_cpu = NAN}));
 end:
-    ssfr_record_finish(&scene);
     ssfr_record_finish(&plane);
     return result;
 }
@@ -272,22 +374,10 @@ static ssfr_result run(command *c)
     bool resumed;
     if (c->words.output) SSFR_TRY(ssfr_output_check_file(c->words.output));
     SSFR_TRY(ssfr_ledger_begin(&c->table, c->words.output, l->n_columns, l->columns, l->n_keys, false, &resumed));
-    SSFR_TRY(c->stage ? measure_view(c) : measure_plane(c));
+    SSFR_TRY(c->is_view ? measure_views(c) : measure_plane(c));
     if (c->words.output) SSFR_TRY(save_meta(c));
-    SSFR_TRY(ssfr_shown_print(&c->table, l->title, c->stage ? NULL : is_shown_period, l->shown, l->n_shown));
+    SSFR_TRY(ssfr_shown_print(&c->table, l->title, c->is_view ? NULL : is_shown_period, l->shown, l->n_shown));
     if (c->words.output && !c->words.no_plot) SSFR_TRY(draw(c));
-end:
-    return result;
-}
-
-static ssfr_result open_view(command *c, const char *scene)
-{
-    ssfr_result result = SSFR_OK;
-    c->layout = &view_layout;
-    c->stage_options.seed = (uint64_t)c->line.seed;
-    SSFR_TRY(ssfr_setup_init(&c->setup, &c->setup_options, NULL));
-    SSFR_TRY(ssfr_stage_create(&c->stage, scene, &c->stage_options));
-    SSFR_TRY(ssfr_setup_scene(&c->setup, &c->setup_options, c->stage->description));
 end:
     return result;
 }
@@ -307,19 +397,20 @@ int ssfr_bench_flow(int argc, char **argv)
         .max_arguments = 1,
         .sets = sets,
         .help = "Measures how wide the curvature flows smooth: on a plane with bumps of every wavelength, at ten "
-                "distances; or, of a SCENE, how many steps each pixel takes and how curved the surface is before and "
-                "after (on the CPU, bagar2010 unless said otherwise)."};
+                "distances; or, of a SCENE or several views, how many steps each pixel takes and how curved the "
+                "surface is before and after (on the CPU, bagar2010 unless said otherwise)."};
     ssfr_setup_defaults(&c.setup_options);
     ssfr_stage_defaults(&c.stage_options);
     c.setup_options.pipeline = "bagar2010";
     c.setup_options.backend = SSFR_BACKEND_CPU;
     SSFR_TRY(ssfr_options_parse(&c.line, &usage, argc - 1, argv + 1));
     if (c.line.help) goto end;
-    if (c.line.arguments.n) SSFR_TRY(open_view(&c, c.line.arguments.items[0]));
+    c.stage_options.seed = (uint64_t)c.line.seed;
+    SSFR_TRY(check_views(&c));
     SSFR_TRY(run(&c));
 end:
     ssfr_ledger_finish(&c.table);
-    ssfr_stage_destroy(&c.stage);
-    ssfr_setup_finish(&c.setup);
+    close_view(&c);
+    for (int i = 0; i < c.n_scenes; i++) ssfr_record_finish(&c.scenes[i]);
     return ssfr_exit_status(result);
 }

@@ -5,10 +5,12 @@
 #include "experiments/frame_file.h"
 #include "experiments/output.h"
 #include "experiments/play.h"
+#include "experiments/slot_picture.h"
 
 typedef struct render_options {
     const char *output, *dump, *background, *frames;
     bool keep_all;
+    ssfr_slot_picture picture; /* its slot NULL: the frame itself */
 } render_options;
 
 #define ROW(...) SSFR_OPTION(render_options, __VA_ARGS__)
@@ -16,6 +18,11 @@ static const ssfr_option rows[] = {
     ROW(output, "output", 'o', TEXT, "FILE",
         "where to write: .exr (R,G,B; Z; N.X,N.Y,N.Z; T; camera and parameters as attributes) or .png", 0, 0),
     ROW(dump, "dump", 0, TEXT, "DIR", "write every slot as DIR/<slot>.exr, and what ran as DIR/graph.json", 0, 0),
+    ROW(picture.slot, "slot", 0, TEXT, "NAME",
+        "write this intermediate image of one channel to FILE.png, in false colours, in the place of the frame", 0, 0),
+    ROW(picture.lo, "from", 0, NUMBER, "X",
+        "the slot's value, in its unit, that the colours begin at (default: 2 % of the pixels lie below)", -1e30, 1e30),
+    ROW(picture.hi, "to", 0, NUMBER, "X", "where they end (default: 2 % of the pixels lie above)", -1e30, 1e30),
     ROW(frames, "frames", 0, TEXT, "A:B:STEP",
         "render these frames, \":\" for all; FILE and DIR then have a %d, or %04d, where the number goes", 0, 0),
     ROW(background, "background", 0, TEXT, "FILE.exr",
@@ -35,12 +42,25 @@ typedef struct render {
     ssfr_stage *stage;
 } render;
 
+/* That the pipeline has the slot is known when it is wanted. */
+static ssfr_result check_slot(const render_options *options)
+{
+    const ssfr_slot_picture *p = &options->picture;
+    if (!p->slot && !(isnan(p->lo) && isnan(p->hi)))
+        return ssfr_fail(SSFR_ERR_VALUE, "--from and --to are of the colours of a --slot");
+    if (p->slot && (!options->output || ssfr_output_kind_of(options->output) != SSFR_OUTPUT_PNG))
+        return ssfr_fail(SSFR_ERR_VALUE, "--slot %.40s: false colours are a picture: give -o FILE.png", p->slot);
+    if (p->lo > p->hi) return ssfr_fail(SSFR_ERR_VALUE, "--from %g is above --to %g", p->lo, p->hi);
+    return SSFR_OK;
+}
+
 static ssfr_result check(const render_options *options)
 {
     ssfr_result result = SSFR_OK;
     char *output = NULL, *dump = NULL; /* of the first frame */
     if (!options->output && !options->dump)
         return ssfr_fail(SSFR_ERR_VALUE, "nothing to write: give -o FILE or --dump DIR");
+    SSFR_TRY(check_slot(options));
     if (options->frames && options->output) SSFR_TRY(ssfr_sequence_path(options->output, 0, &output));
     if (options->frames && options->dump) SSFR_TRY(ssfr_sequence_path(options->dump, 0, &dump));
     if (options->output) SSFR_TRY(ssfr_output_check_image(output ? output : options->output, true));
@@ -61,8 +81,19 @@ static ssfr_result prepare(const render *r)
     const ssfr_output_kind kind = r->o->output ? ssfr_output_kind_of(r->o->output) : SSFR_OUTPUT_OTHER;
     SSFR_TRY(ssfr_setup_background(r->setup.graph, background, &r->stage->scene.camera));
     if (kind == SSFR_OUTPUT_EXR) SSFR_TRY(ssfr_frame_want(&r->setup));
+    if (r->o->picture.slot) SSFR_TRY(ssfr_frame_want_slot(r->setup.graph, r->o->picture.slot));
     if (r->o->dump) ssfr_graph_want_all(r->setup.graph, true);
 end:
+    return result;
+}
+
+static ssfr_result save_slot(const render *r, const char *output)
+{
+    const ssfr_camera *camera = &r->stage->scene.camera;
+    ssfr_field *field = NULL;
+    ssfr_result result = ssfr_frame_read(&field, r->setup.graph, r->o->picture.slot, camera->w, camera->h);
+    if (result == SSFR_OK) result = ssfr_slot_picture_save(output, field, &r->o->picture);
+    ssfr_field_destroy(&field);
     return result;
 }
 
@@ -70,7 +101,9 @@ static ssfr_result save(const render *r, const char *output, const char *dump, c
 {
     ssfr_result result = SSFR_OK;
     const ssfr_camera *camera = &r->stage->scene.camera;
-    if (output && ssfr_output_kind_of(output) == SSFR_OUTPUT_PNG)
+    if (output && r->o->picture.slot)
+        SSFR_TRY(save_slot(r, output));
+    else if (output && ssfr_output_kind_of(output) == SSFR_OUTPUT_PNG)
         SSFR_TRY(ssfr_frame_save_png(output, &r->setup, camera->w, camera->h));
     else if (output)
         SSFR_TRY(ssfr_frame_save_exr(output, &r->setup, camera->w, camera->h, record));
@@ -148,7 +181,7 @@ end:
 int ssfr_cmd_render(int argc, char **argv)
 {
     ssfr_result result = SSFR_OK;
-    render_options options = {0};
+    render_options options = {.picture = {.lo = NAN, .hi = NAN}};
     ssfr_setup_options setup_options;
     ssfr_stage_options stage_options;
     ssfr_command_line line;

@@ -100,6 +100,15 @@ that 'the EXR holds the camera' grep -aq camera.eye.x block.exr
 that 'the EXR holds each parameter' grep -aq curvature_flow.iterations block.exr
 accepts 'pass by pass' render block -o block.png $small --verbose
 that '--verbose says one line a pass' grep -q '^ssfr render: curvature_flow .* ms' err
+accepts 'an image of the way in false colours' render block -o front.png $small --slot fluid_depth --verbose
+that 'it says of what range' grep -q 'front.png: fluid_depth from -[0-9.]* to -[0-9.]* m' err
+accepts 'of a range' render block -o front.png $small --slot thickness --from 0 --to 0.5
+refuses 'false colours in an EXR' '--slot thickness: false colours are a picture' render block -o a.exr $small --slot thickness
+refuses 'false colours of directions' 'normal has 3 channels' render block -o a.png $small --slot normal
+refuses 'an image that is none of the pipeline' 'depht' render block -o a.png $small --slot depht
+refuses 'a range of nothing' '--from and --to are of the colours of a --slot' render block -o a.png $small --from 1
+refuses 'a range that ends before it begins' '--from 2 is above --to 1' \
+    render block -o a.png $small --slot thickness --from 2 --to 1
 accepts 'without a word' render block -o block.png $small -q
 that '-q says nothing' [ ! -s err ]
 refuses 'a background of another size' 'block.exr: 64x48 pixels, the image has 65x48: add --size 64x48' \
