@@ -256,10 +256,10 @@ static void what_play_says_is_checked(void **state)
 static foam of_a_run(ssfr_rig *rig, const ssfr_sweep_spec *spec, size_t i, double *flip)
 {
     size_t index[SSFR_MAX_AXES];
-    double values[SSFR_N_COLUMNS];
+    ssfr_rig_row row;
     ssfr_sweep_spec_run(spec, i, index);
-    assert_int_equal(ssfr_rig_run(rig, index, values), SSFR_OK);
-    *flip = values[SSFR_COLUMN_ref_flip];
+    assert_int_equal(ssfr_rig_run(rig, index, &row), SSFR_OK);
+    *flip = row.values[SSFR_COLUMN_ref_flip];
     return read(ssfr_rig_graph(rig));
 }
 
@@ -272,14 +272,13 @@ static void the_runs_of_a_sweep_are_of_a_frame_after_playing(void **state)
     assert_int_equal(ssfr_sweep_spec_create(&spec), SSFR_OK);
     char scene[160];
     snprintf(scene, sizeof scene, "scene=%s", scene_file());
-    const char *const axes[] = {scene, "size=32x32", "backend=cpu", "weber.threshold=300,600",
+    const char *const axes[] = {"pipeline=bagar2010", scene, "size=32x32", "backend=cpu", "weber.threshold=300,600",
                                 "sparse.by_foam=1,0"};
     for (size_t i = 0; i < SSFR_COUNT(axes); i++)
         assert_int_equal(ssfr_sweep_spec_vary_text(spec, "--vary", axes[i]), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_reference_text(spec, "", "sparse.by_foam=1"), SSFR_OK);
     assert_int_equal(ssfr_sweep_spec_complete(spec), SSFR_OK);
-    const ssfr_rig_options options = {.spec = spec, .pipeline = ssfr_pipeline_find("bagar2010"),
-                                      .stage = options_of("all"), .measure = {.min_runs = 2},
+    const ssfr_rig_options options = {.spec = spec, .stage = options_of("all"), .measure = {.min_runs = 2},
                                       .bandwidth_gl = NAN, .bandwidth_cpu = NAN};
     assert_int_equal(ssfr_rig_create(&rig, &options), SSFR_OK);
     const foam expected = drawn_from(0, 1);
