@@ -14,7 +14,7 @@
  * the next step collapses the tiles without that mark. The CPU asks for nothing and waits for nothing; a step costs a
  * memory barrier, a dropped tile six vertices. Indirect draws of a list of tiles, gathered after each step by a compute
  * shader, would spare these vertices, which are few beside a tile's 1024 pixels, for a dispatch and a second barrier a
- * step. */
+ * step. It is the default because it was the fastest of the four (results/bagar2010/stop.csv), if not everywhere. */
 #include "passes/adaptive_flow.h"
 
 #include "graph/draw.h"
@@ -49,7 +49,7 @@ static const ssfr_param rows[] = {
     SSFR_CURVATURE_FLOW_ROWS,
     SSFR_PARAM_REAL(adaptive_flow_params, threshold_min, "m", 0, 0, 1e12,
                     "nearer surfaces count as this far in H, min(z, thresholdMin) of listing A.13; 0: off"),
-    SSFR_PARAM_CHOICE(adaptive_flow_params, stop, stops, SSFR_ADAPTIVE_FLOW_BOUND,
+    SSFR_PARAM_CHOICE(adaptive_flow_params, stop, stops, SSFR_ADAPTIVE_FLOW_TILES,
                       "none: all `iterations` are drawn; query: until an occlusion query finds nothing changed, as "
                       "printed; bound: as many as the nearest particle in view needs; tiles: as many, each over the "
                       "tiles alone in which the last one changed something; the depths are the same"),
