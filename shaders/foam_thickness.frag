@@ -5,22 +5,19 @@
 #include "common.glsl"
 #include "perlin.glsl"
 #include "streak.glsl"
+#include "thickness.glsl"
 
 layout(std430, binding = 3) readonly buffer Ids { uint ids[]; };
 layout(std430, binding = 6) readonly buffer Lifetimes { float lifetimes[]; }; // s; of a neutral value one entry
 
-uniform sampler2D t_scene_depth;
 #ifdef CENTRE
 flat in vec2 v_seen; // m, eye-space z of the centre and of the foam there
 #else
 uniform sampler2D t_foam_depth;
 #endif
-uniform float u_scale;
 uniform float u_noise_rate; // 1/s
 uniform float u_delta_foam; // m
-uniform int u_exponential;  // kernel: chord e^(-2 r^2), else the chord
 uniform int u_kept;         // a turned quad spreads its foam
-uniform int u_clipped;      // count only what lies before the scene, else all when the front does
 uniform int u_by_id;
 uniform int u_has_ids;
 #ifdef NOISE_TEXTURE
@@ -62,13 +59,8 @@ bool is_in_front(float front)
 void main()
 {
     Fragment f = meet_quad();
-    float scene = fetch(t_scene_depth, ivec2(gl_FragCoord.xy)).x;
-    if (f.front < scene) discard;
-    float t = f.chord * u_scale;
-    if (u_exponential != 0) t *= exp(-2.0 * f.r2);
-    if (u_kept != 0) t /= f.area;
-    if (u_clipped != 0) t *= (f.front - max(f.back, scene)) / max(f.front - f.back, 1e-20);
-    t *= noise_at(f.at);
+    if (u_kept == 0) f.area = 1.0;
+    float t = thickness_of(f) * noise_at(f.at);
     o_foam_thickness = t;
     o_foam_front = is_in_front(f.front) ? t : 0.0;
 }

@@ -31,6 +31,7 @@ struct Fragment {
     float front; // m, eye-space z
     float back;
     float chord; // m
+    float area;  // 1; of streaks another
 };
 
 // Discards where there is none.
@@ -64,6 +65,7 @@ Fragment meet_sphere()
     f.back = v_z - rise;
     f.chord = 2.0 * rise;
 #endif
+    f.area = 1.0;
     float near = -frame.horizon.w;
     if (f.back > near) discard;
     if (f.front > near) { // the eye is inside the sphere: what the ray sees of it begins at the near plane

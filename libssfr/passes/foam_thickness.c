@@ -9,7 +9,6 @@
 #include "passes/foam_thickness.h"
 
 #include "passes/perlin.h"
-#include "passes/thickness.h"
 
 typedef struct foam_thickness_params {
     ssfr_streak_params streak;
@@ -17,8 +16,6 @@ typedef struct foam_thickness_params {
     double scale, noise_rate, delta_foam;
 } foam_thickness_params;
 
-static const char *const kernels[] = {"chord", "exponential", NULL};
-static const char *const occlusions[] = {"front", "clipped", NULL};
 static const char *const masses[] = {"kept", "printed", NULL};
 static const char *const noises[] = {"exact", "texture", "constant", NULL}; /* SSFR_FOAM_NOISE_* */
 static const char *const patterns[] = {"id", "lifetime", NULL};
@@ -26,11 +23,7 @@ static const char *const fronts[] = {"centre", "fragment", NULL};
 
 static const ssfr_param rows[] = {
     SSFR_STREAK_ROWS,
-    SSFR_PARAM_CHOICE(foam_thickness_params, kernel, kernels, 0,
-                      "chord of the sphere, or the chord times e^(-2 r^2), which leaves no edges but 51 % of the "
-                      "volume"),
-    SSFR_PARAM_CHOICE(foam_thickness_params, occlusion, occlusions, 0,
-                      "a particle whose front is before the scene counts whole, or with its part before the scene"),
+    SSFR_THICKNESS_KERNEL_ROWS(foam_thickness_params),
     SSFR_PARAM_CHOICE(foam_thickness_params, mass, masses, 0,
                       "a quad along the motion spreads the foam of its particle, or has more by as much as it is "
                       "larger (listing A.10)"),
@@ -53,12 +46,10 @@ static const ssfr_param rows[] = {
 #define COEFF(name, member, n) {name, offsetof(ssfr_foam_thickness_coeffs, member), n}
 static const ssfr_uniform uniforms[] = {
     SSFR_STREAK_UNIFORMS,
-    COEFF("u_scale", scale, 1),
+    SSFR_THICKNESS_SUM_UNIFORMS(ssfr_foam_thickness_coeffs, sum),
     COEFF("u_noise_rate", noise_rate, 1),
     COEFF("u_delta_foam", delta_foam, 1),
-    COEFF("u_exponential", exponential, 0),
     COEFF("u_kept", kept, 0),
-    COEFF("u_clipped", clipped, 0),
     COEFF("u_by_id", by_id, 0),
     COEFF("u_has_ids", has_ids, 0),
     {NULL, 0, 0},
@@ -70,15 +61,14 @@ static void derive(const ssfr_run *run, void *coeffs)
     const double s = p->streak.radius_scale;
     ssfr_foam_thickness_coeffs *c = coeffs;
     ssfr_streak_derive(run, &c->streak);
-    c->scale = p->scale / (s * s * s); /* a wider splat spreads the volume of the particle */
+    /* A wider splat spreads the volume of the particle. */
+    c->sum = (ssfr_thickness_sum){p->scale / (s * s * s), p->kernel == 1, p->occlusion == 1,
+                                  p->storage == SSFR_STORE_HALF};
     c->noise_rate = p->noise_rate;
     c->delta_foam = p->delta_foam;
-    c->exponential = p->kernel == 1;
-    c->clipped = p->occlusion == 1;
     c->kept = p->mass == 0;
     c->by_centre = p->front == 0;
     c->noise = p->noise;
-    c->half = p->storage == SSFR_STORE_HALF;
     c->by_id = p->pattern == 0;
     c->has_ids = run->frame->particles && run->frame->particles->id;
 }
@@ -103,7 +93,7 @@ static void widen(const ssfr_run *run, ssfr_tolerance *tolerance)
     const ssfr_foam_thickness_coeffs *c = run->coeffs;
     const double noise = c->noise == SSFR_FOAM_NOISE_TEXTURE ? ssfr_foam_perlin_rounding() : 0;
     const double root = ssfr_root_rounding(c->streak.root);
-    tolerance->abs += 2 * c->streak.radius * c->scale * (root + noise);
+    tolerance->abs += 2 * c->streak.radius * c->sum.scale * (root + noise);
     tolerance->rel += 1.5 * root + 2 * noise;
 }
 

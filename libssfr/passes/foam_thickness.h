@@ -4,6 +4,7 @@
 #define SSFR_FOAM_THICKNESS_H
 
 #include "passes/streak.h"
+#include "passes/thickness.h"
 
 enum { SSFR_FOAM_PERLIN = 2 }; /* of its tables, behind those of streak.h */
 enum { SSFR_FOAM_NOISE_EXACT, SSFR_FOAM_NOISE_TEXTURE, SSFR_FOAM_NOISE_CONSTANT };
@@ -13,11 +14,10 @@ enum { SSFR_FOAM_NOISE_EXACT, SSFR_FOAM_NOISE_TEXTURE, SSFR_FOAM_NOISE_CONSTANT 
 
 typedef struct ssfr_foam_thickness_coeffs {
     ssfr_streak streak;
-    double scale;      /* of the sum */
+    ssfr_thickness_sum sum;
     double noise_rate; /* periods of the noise a second */
     double delta_foam; /* m */
-    int exponential, kept, clipped, by_centre, noise, half;
-    int by_id, has_ids;
+    int kept, by_centre, noise, by_id, has_ids;
 } ssfr_foam_thickness_coeffs;
 
 void ssfr_foam_thickness_cpu(const ssfr_run *run);

@@ -2,7 +2,6 @@
 /* foam_thickness_cpu.c: the sum of the foam particles' chords times noise at each pixel, in double. */
 #include "passes/foam_thickness.h"
 #include "passes/perlin.h"
-#include "passes/thickness.h"
 
 static double place_in_time(const ssfr_run *run, size_t particle)
 {
@@ -32,18 +31,16 @@ static bool is_in_front(const ssfr_run *run, const ssfr_fragment *f)
     return f->front >= *ssfr_field_fetch(foam, f->x, f->y) - c->delta_foam;
 }
 
-static void add(const ssfr_run *run, const ssfr_fragment *f, double *pixel)
+static void add(const ssfr_run *run, const ssfr_fragment *hit, double *pixel)
 {
     const ssfr_foam_thickness_coeffs *c = run->coeffs;
-    const double scene = *ssfr_field_fetch(run->in[0], f->x, f->y);
-    double t = f->chord * c->scale;
-    if (f->front < scene) return;
-    if (c->exponential) t *= exp(-2 * f->r2);
-    if (c->kept) t /= f->area;
-    if (c->clipped) t *= (f->front - fmax(f->back, scene)) / fmax(f->front - f->back, 1e-20);
-    t *= noise_at(run, f);
-    ssfr_thickness_add(c->half, t, pixel);
-    if (is_in_front(run, f)) ssfr_thickness_add(c->half, t, ssfr_field_at(run->out[1], f->x, f->y));
+    ssfr_fragment f = *hit;
+    if (!c->kept) f.area = 1;
+    double t = ssfr_thickness_of(run, &c->sum, &f);
+    if (t == 0) return;
+    t *= noise_at(run, &f);
+    ssfr_thickness_add(c->sum.half, t, pixel);
+    if (is_in_front(run, &f)) ssfr_thickness_add(c->sum.half, t, ssfr_field_at(run->out[1], f.x, f.y));
 }
 
 void ssfr_foam_thickness_cpu(const ssfr_run *run)

@@ -15,12 +15,12 @@ static double share_before(const ssfr_run *run, const ssfr_fragment *f)
 
 static void add(const ssfr_run *run, const ssfr_fragment *hit, double *behind)
 {
-    const bool half = ((const ssfr_thickness_coeffs *)run->coeffs)->half;
+    const ssfr_thickness_sum *sum = &((const ssfr_thickness_coeffs *)run->coeffs)->sum;
     ssfr_fragment f = *hit;
     ssfr_field *before = run->out[SSFR_LAYER_BEFORE];
-    const double t = ssfr_thickness_of(run, &f), share = before ? share_before(run, &f) : 0;
-    ssfr_thickness_add(half, (1 - share) * t, behind);
-    if (before) ssfr_thickness_add(half, share * t, ssfr_field_at(before, f.x, f.y));
+    const double t = ssfr_thickness_of(run, sum, &f), share = before ? share_before(run, &f) : 0;
+    ssfr_thickness_add(sum->half, (1 - share) * t, behind);
+    if (before) ssfr_thickness_add(sum->half, share * t, ssfr_field_at(before, f.x, f.y));
 }
 
 void ssfr_layer_thickness_cpu(const ssfr_run *run)

@@ -14,10 +14,9 @@ void ssfr_thickness_derive(const ssfr_run *run, void *coeffs)
     ssfr_thickness_coeffs *c = coeffs;
     ssfr_splat_derive(run, &c->splat);
     /* A wider splat spreads the volume of the particle: its own sphere has it at radius_scale 1. */
-    c->scale = p->scale / (p->splat.radius_scale * p->splat.radius_scale * p->splat.radius_scale);
-    c->exponential = p->kernel == 1;
-    c->clipped = p->occlusion == 1;
-    c->half = p->storage == SSFR_STORE_HALF;
+    const double s = p->splat.radius_scale;
+    c->sum = (ssfr_thickness_sum){p->scale / (s * s * s), p->kernel == 1, p->occlusion == 1,
+                                  p->storage == SSFR_STORE_HALF};
 }
 
 ssfr_storage ssfr_thickness_storage(const void *params)
@@ -29,7 +28,7 @@ ssfr_storage ssfr_thickness_storage(const void *params)
 void ssfr_thickness_widen(const ssfr_run *run, ssfr_tolerance *tolerance)
 {
     const ssfr_thickness_coeffs *c = run->coeffs;
-    tolerance->abs += 2 * c->splat.radius * c->scale * ssfr_root_rounding(c->splat.root);
+    tolerance->abs += 2 * c->splat.radius * c->sum.scale * ssfr_root_rounding(c->splat.root);
     tolerance->rel += 1.5 * ssfr_root_rounding(c->splat.root);
 }
 
