@@ -529,7 +529,7 @@ static ssfr_result finish_node(ssfr_graph *graph, int i, bool timing)
         glGetNamedBufferSubData(n->word_buffer, 0, SSFR_COUNTS * sizeof *n->words, n->words);
     }
     count_work(graph, n, report);
-    return n->pass->check ? n->pass->check(&n->run) : SSFR_OK;
+    return n->pass->check ? n->pass->check(&n->run, n->pass->name) : SSFR_OK;
 }
 
 /* ---- the frame --------------------------------------------------------------------------------------------------- */

@@ -180,11 +180,6 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
     report->bytes += 2.0 * sizeof(float) * run->w * run->h * done->copies; /* of whole images */
 }
 
-static ssfr_result check(const ssfr_run *run)
-{
-    return ssfr_curvature_flow_check(run, "adaptive_flow");
-}
-
 const ssfr_pass ssfr_adaptive_flow = {
     .name = "adaptive_flow",
     .source = "Bagar 2010, secs 3.1 and 4.7 (eq. 3.1, errata B4 to B7, B17, B19 to B21) and listings A.11 to A.13",
@@ -204,7 +199,7 @@ const ssfr_pass ssfr_adaptive_flow = {
     .defines = ssfr_curvature_flow_defines,
     .uniforms = uniforms,
     .gl_run = gl_run,
-    .check = check,
+    .check = ssfr_curvature_flow_check,
     .work = work,
     .tolerance = {.abs = 2e-5, .rel = 5e-6, .outliers = 0.002},
 };

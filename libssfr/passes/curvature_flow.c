@@ -173,11 +173,6 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
     report->bytes *= fmax(c->iterations, 1);
 }
 
-static ssfr_result check(const ssfr_run *run)
-{
-    return ssfr_curvature_flow_check(run, "curvature_flow");
-}
-
 const ssfr_pass ssfr_curvature_flow = {
     .name = "curvature_flow",
     .source = "van der Laan 2009, after Bagar 2010, sec. 2.5.3 (eqs 2.8 to 2.16, errata B1 to B4, B21) and "
@@ -198,7 +193,7 @@ const ssfr_pass ssfr_curvature_flow = {
     .defines = ssfr_curvature_flow_defines,
     .uniforms = uniforms,
     .gl_run = gl_run,
-    .check = check,
+    .check = ssfr_curvature_flow_check,
     .work = work,
     .tolerance = {.abs = 2e-5, .rel = 5e-6, .outliers = 0.002},
 };
