@@ -168,26 +168,25 @@ static void shear(size_t i, size_t n, const double place[3], float velocity[3], 
     if (i % 16 == 5) *density = (float)thin;
 }
 
-static ssfr_result make_still(ssfr_particles **out, uint64_t seed)
+static ssfr_result move_block(ssfr_particles **out, uint64_t seed, motion *how)
 {
     ssfr_result result = SSFR_OK;
     double *positions = NULL;
     SSFR_TRY(place_block(&positions, seed, 0));
-    SSFR_TRY(move(out, N_BLOCK, positions, radius, stand));
+    SSFR_TRY(move(out, N_BLOCK, positions, radius, how));
 end:
     free(positions);
     return result;
 }
 
+static ssfr_result make_still(ssfr_particles **out, uint64_t seed)
+{
+    return move_block(out, seed, stand);
+}
+
 static ssfr_result make_burst(ssfr_particles **out, uint64_t seed)
 {
-    ssfr_result result = SSFR_OK;
-    double *positions = NULL;
-    SSFR_TRY(place_block(&positions, seed, 0));
-    SSFR_TRY(move(out, N_BLOCK, positions, radius, burst));
-end:
-    free(positions);
-    return result;
+    return move_block(out, seed, burst);
 }
 
 static ssfr_result make_drift(ssfr_particles **out, uint64_t seed)
