@@ -179,13 +179,12 @@ static void prepare_all(bench *b, const place *before, const place *at)
 
 static ssfr_result add_row(bench *b, const place *at, const char *status, const ssfr_study_row *r)
 {
-    double numbers[N_NUMBERS] = {(double)r->rays, r->kernels, r->value, r->time.median, r->time.mad, r->time.min,
-                                 (double)r->runs, r->gathering, r->evaluations, r->error_max, r->error_median,
-                                 r->claimed_max, r->claimed_median, r->exceeded, r->reference_err};
+    const double numbers[N_NUMBERS] = {(double)r->rays, r->kernels, r->value, r->time.median, r->time.mad, r->time.min,
+                                       (double)r->runs, r->gathering, r->evaluations, r->error_max, r->error_median,
+                                       r->claimed_max, r->claimed_median, r->exceeded, r->reference_err};
     key k;
     key_of(b, at, &k);
-    for (size_t i = 0; i < N_NUMBERS && strcmp(status, "ok") != 0; i++) numbers[i] = NAN;
-    return ssfr_ledger_add(&b->table, k.cells, status, numbers);
+    return ssfr_ledger_add(&b->table, k.cells, status, strcmp(status, "ok") == 0 ? numbers : NULL);
 }
 
 /* Where the row cannot be measured it says why, and the bench goes on. */
@@ -209,8 +208,7 @@ static ssfr_result measure_rows(bench *b)
         ssfr_console_progress("bench integrators", i, b->n_missing);
         SSFR_TRY(measure_row(b, i > 0 ? &b->missing[i - 1] : NULL, &b->missing[i]));
         if (ssfr_interrupt_came() && i + 1 < b->n_missing)
-            SSFR_TRY(ssfr_fail(SSFR_ERR_IO, "interrupted%s", b->words.output
-                               ? ": whole rows stay, the same command with --resume goes on from there" : ""));
+            SSFR_TRY(ssfr_ledger_interrupted(&b->table));
     }
 end:
     ssfr_console_progress("bench integrators", 1, 1);

@@ -60,7 +60,6 @@ ssfr_result ssfr_bench_visit(ssfr_bench *bench, ssfr_bench_run *run, const void 
 {
     ssfr_result result = SSFR_OK;
     char error[SSFR_CAPTURE_SIZE];
-    double nothing[SSFR_LEDGER_COLUMNS];
     if (ssfr_ledger_has(&bench->tables[table], keys)) return SSFR_OK;
     if (bench->counting) {
         bench->total += expected;
@@ -71,11 +70,8 @@ ssfr_result ssfr_bench_visit(ssfr_bench *bench, ssfr_bench_run *run, const void 
     ssfr_capture_end(error);
     bench->done += expected;
     if (result == SSFR_OK) return SSFR_OK;
-    if (ssfr_interrupt_came())
-        return ssfr_fail(SSFR_ERR_IO, "interrupted%s", bench->tables[table].csv
-                         ? ": whole rows stay, the same command with --resume goes on from there" : "");
-    for (size_t i = 0; i < SSFR_COUNT(nothing); i++) nothing[i] = NAN;
-    return ssfr_ledger_add(&bench->tables[table], keys, error[0] ? error : ssfr_result_text(result), nothing);
+    if (ssfr_interrupt_came()) return ssfr_ledger_interrupted(&bench->tables[table]);
+    return ssfr_ledger_add(&bench->tables[table], keys, error[0] ? error : ssfr_result_text(result), NULL);
 }
 
 static ssfr_result visit_all(ssfr_bench *bench, bool counting)

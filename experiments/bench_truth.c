@@ -106,7 +106,6 @@ typedef struct bench {
     bool counting;      /* what is to be done is summed up, nothing is measured */
     double done, total; /* s, as expected: for the progress bar alone */
     double expected;    /* s, of what is measured now */
-    bool resumable;
 } bench;
 
 typedef struct cost {
@@ -231,7 +230,6 @@ static ssfr_result visit(bench *b, const cost *c)
     ssfr_result result = SSFR_OK;
     key k;
     char error[SSFR_CAPTURE_SIZE];
-    double nothing[SSFR_COUNT(columns)];
     name(&k, c);
     if (c->particles > b->max_particles || ssfr_ledger_has(&b->table, k.cells)) return SSFR_OK;
     b->expected = expect(b, c);
@@ -245,11 +243,8 @@ static ssfr_result visit(bench *b, const cost *c)
     ssfr_capture_end(error);
     b->done += b->expected;
     if (result == SSFR_OK) return SSFR_OK;
-    if (ssfr_interrupt_came())
-        return ssfr_fail(SSFR_ERR_IO, "interrupted%s",
-                         b->resumable ? ": whole rows stay, the same command with --resume goes on from there" : "");
-    for (size_t i = 0; i < SSFR_COUNT(nothing); i++) nothing[i] = NAN;
-    return ssfr_ledger_add(&b->table, k.cells, error[0] ? error : ssfr_result_text(result), nothing);
+    if (ssfr_interrupt_came()) return ssfr_ledger_interrupted(&b->table);
+    return ssfr_ledger_add(&b->table, k.cells, error[0] ? error : ssfr_result_text(result), NULL);
 }
 
 /* Where n particles are cast whole: by all threads, for the density, which is what the aim was set for. */
@@ -380,7 +375,6 @@ static ssfr_result run(command *c)
     c->bench.max_particles = (size_t)c->words.max_particles;
     c->bench.max_threads = omp_get_max_threads();
     c->bench.seed = (uint64_t)c->line.seed;
-    c->bench.resumable = c->words.output;
     SSFR_TRY(begin_table(c));
     SSFR_TRY(visit_all(&c->bench, true));
     ssfr_interrupt_begin();

@@ -71,13 +71,20 @@ ssfr_result ssfr_ledger_add(ssfr_ledger *ledger, const char *const *keys, const 
     for (int k = 0; k < ledger->n_keys; k++) SSFR_TRY(add_cell(ledger, keys[k]));
     SSFR_TRY(add_cell(ledger, status));
     for (int i = 0; i < n_numbers; i++) {
+        const double number = numbers ? numbers[i] : NAN;
         char text[32];
-        snprintf(text, sizeof text, "%.9g", numbers[i]);
-        SSFR_TRY(add_cell(ledger, isnan(numbers[i]) ? "NaN" : text));
+        snprintf(text, sizeof text, "%.9g", number);
+        SSFR_TRY(add_cell(ledger, isnan(number) ? "NaN" : text));
     }
     if (ledger->csv) SSFR_TRY(ssfr_csv_end_row(ledger->csv));
 end:
     return result;
+}
+
+ssfr_result ssfr_ledger_interrupted(const ssfr_ledger *ledger)
+{
+    return ssfr_fail(SSFR_ERR_IO, "interrupted%s",
+                     ledger->csv ? ": whole rows stay, the same command with --resume goes on from there" : "");
 }
 
 ssfr_csv_table ssfr_ledger_view(const ssfr_ledger *ledger)

@@ -20,14 +20,16 @@ typedef struct ssfr_ledger {
 
 /* path NULL: no file. With `resume` the rows that the file holds are taken over; *resumed: it had some. */
 SSFR_MUST ssfr_result ssfr_ledger_begin(ssfr_ledger *ledger, const char *path, int n_columns,
-                                          const ssfr_column *columns, int n_keys, bool resume, bool *resumed);
+                                        const ssfr_column *columns, int n_keys, bool resume, bool *resumed);
 void ssfr_ledger_finish(ssfr_ledger *ledger);
 
 bool ssfr_ledger_has(const ssfr_ledger *ledger, const char *const *keys);
-/* Adds a row of n_keys keys, the status, and a number for each of the other columns; not when there is one of these
- * keys. */
+/* Adds a row of n_keys keys, the status, and a number for each of the other columns, NaN where numbers is NULL; not
+ * when there is one of these keys. */
 SSFR_MUST ssfr_result ssfr_ledger_add(ssfr_ledger *ledger, const char *const *keys, const char *status,
-                                    const double *numbers);
+                                      const double *numbers);
+/* Fails: tells that measuring was interrupted, and of a file how it goes on. */
+SSFR_MUST ssfr_result ssfr_ledger_interrupted(const ssfr_ledger *ledger);
 
 /* As if read from the file; valid until the next row. */
 ssfr_csv_table ssfr_ledger_view(const ssfr_ledger *ledger);

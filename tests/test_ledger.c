@@ -54,6 +54,33 @@ static void rows_are_kept_and_written_alike(void **state)
     ssfr_ledger_finish(&ledger);
 }
 
+static void a_row_without_numbers_has_nan_for_each(void **state)
+{
+    (void)state;
+    const char *path = test_path("failed.csv"), *const keys[] = {"pool", "8"};
+    ssfr_ledger ledger;
+    assert_false(begin(&ledger, path, false));
+    assert_int_equal(ssfr_ledger_add(&ledger, keys, "out of memory", NULL), SSFR_OK);
+    assert_saved(&ledger, path);
+    const ssfr_csv_table view = ssfr_ledger_view(&ledger);
+    const char *const cells[] = {"pool", "8", "out of memory", "NaN", "NaN"};
+    for (int i = 0; i < 5; i++) assert_string_equal(ssfr_csv_cell(&view, 0, i), cells[i]);
+    ssfr_ledger_finish(&ledger);
+}
+
+static void interrupted_a_file_tells_how_it_goes_on(void **state)
+{
+    (void)state;
+    const char *const paths[] = {test_path("interrupted.csv"), NULL};
+    for (int i = 0; i < 2; i++) {
+        ssfr_ledger ledger;
+        assert_false(begin(&ledger, paths[i], false));
+        assert_fails(SSFR_ERR_IO, ssfr_ledger_interrupted(&ledger), "interrupted");
+        assert_int_equal(strstr(test_last_error(), "the same command with --resume goes on") != NULL, i == 0);
+        ssfr_ledger_finish(&ledger);
+    }
+}
+
 static void a_row_stands_once(void **state)
 {
     (void)state;
@@ -122,6 +149,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_kept_and_written_alike),
+        cmocka_unit_test(a_row_without_numbers_has_nan_for_each),
+        cmocka_unit_test(interrupted_a_file_tells_how_it_goes_on),
         cmocka_unit_test(a_row_stands_once),
         cmocka_unit_test(a_table_that_was_cut_off_is_gone_on_with),
         cmocka_unit_test(another_table_is_not_gone_on_with),
