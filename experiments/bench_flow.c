@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bench_flow.c: `ssfr bench flow`: its options, its two tables, their metadata and charts. */
 #include "experiments/bench_flow.h"
-#include "experiments/chart.h"
 #include "experiments/command.h"
 #include "experiments/meta.h"
 #include "experiments/output.h"
@@ -355,18 +354,6 @@ end:
     return result;
 }
 
-static ssfr_result draw(const command *c)
-{
-    ssfr_result result = SSFR_OK;
-    const ssfr_csv_table view = ssfr_ledger_view(&c->table);
-    char *svg = NULL;
-    SSFR_TRY(ssfr_meta_path(&svg, c->words.output, ".svg"));
-    SSFR_TRY(ssfr_chart_save(svg, &view, c->layout->chart, c->layout->n_panels, c->layout->panels));
-end:
-    free(svg);
-    return result;
-}
-
 static ssfr_result run(command *c)
 {
     ssfr_result result = SSFR_OK;
@@ -377,7 +364,8 @@ static ssfr_result run(command *c)
     SSFR_TRY(c->is_view ? measure_views(c) : measure_plane(c));
     if (c->words.output) SSFR_TRY(save_meta(c));
     SSFR_TRY(ssfr_shown_print(&c->table, l->title, c->is_view ? NULL : is_shown_period, l->shown, l->n_shown));
-    if (c->words.output && !c->words.no_plot) SSFR_TRY(draw(c));
+    if (c->words.output && !c->words.no_plot)
+        SSFR_TRY(ssfr_shown_draw(&c->table, c->words.output, l->chart, l->n_panels, l->panels));
 end:
     return result;
 }

@@ -2,7 +2,6 @@
 /* bench_integrators.c: `ssfr bench integrators`: its options, table, metadata and chart. */
 #include "experiments/bench_integrators.h"
 #include "experiments/capture.h"
-#include "experiments/chart.h"
 #include "experiments/command.h"
 #include "experiments/interrupt.h"
 #include "experiments/ledger.h"
@@ -330,10 +329,9 @@ static ssfr_result draw(const bench *b)
     static const char *const what[] = {"integral of density", "radiance"};
     static const char *const x_labels[] = {"largest error, at least the reference's own [particle diameters]",
                                            "largest error, at least the reference's own [light = 1]"};
-    ssfr_result result = SSFR_OK;
     const ssfr_csv_table view = ssfr_ledger_view(&b->table);
     ssfr_panel panels[MOST];
-    char titles[MOST][128], title[256], *svg = NULL;
+    char titles[MOST][128], title[256];
     int n = 0;
     for (int i = 0; i < SSFR_N_STUDY_INTEGRALS; i++)
         for (size_t k = 0; k < b->study.n_kinds[i]; k++) {
@@ -346,12 +344,8 @@ static ssfr_result draw(const bench *b)
                                      .only = {{"integral", ssfr_study_integrals[i]}, {"rays", kind}}};
             n++;
         }
-    SSFR_TRY(ssfr_meta_path(&svg, b->words.output, ".svg"));
     snprintf(title, sizeof title, "%.160s (a sign: one tolerance, number of points or of steps)", b->study.title);
-    if (n > 0) SSFR_TRY(ssfr_chart_save(svg, &view, title, n, panels));
-end:
-    free(svg);
-    return result;
+    return n > 0 ? ssfr_shown_draw(&b->table, b->words.output, title, n, panels) : SSFR_OK;
 }
 
 static ssfr_result run(bench *b)

@@ -2,7 +2,6 @@
 /* bench_kernels.c: square roots from a ramp, thickness of splats against their radius, foam's noise along a row: each
  * beside its exact form, point by point. */
 #include "experiments/bench_kernels.h"
-#include "experiments/chart.h"
 #include "experiments/command.h"
 #include "experiments/meta.h"
 #include "experiments/options.h"
@@ -206,18 +205,6 @@ static ssfr_result save_meta(const bench *b, int argc, char **argv)
                                                         .bandwidth_cpu = NAN});
 }
 
-static ssfr_result draw(const bench *b)
-{
-    ssfr_result result = SSFR_OK;
-    const ssfr_csv_table view = ssfr_ledger_view(&b->table);
-    char *svg = NULL;
-    SSFR_TRY(ssfr_meta_path(&svg, b->words.output, ".svg"));
-    SSFR_TRY(ssfr_chart_save(svg, &view, "Roots and kernels of Bagar 2010", SSFR_COUNT(panels), panels));
-end:
-    free(svg);
-    return result;
-}
-
 static ssfr_result run(bench *b, int argc, char **argv)
 {
     ssfr_result result = SSFR_OK;
@@ -229,7 +216,8 @@ static ssfr_result run(bench *b, int argc, char **argv)
     SSFR_TRY(add_all(b));
     SSFR_TRY(ssfr_shown_print(&b->table, "Each curve where it is farthest from exact:", is_worst, shown,
                               SSFR_COUNT(shown)));
-    if (path && !b->words.no_plot) SSFR_TRY(draw(b));
+    if (path && !b->words.no_plot)
+        SSFR_TRY(ssfr_shown_draw(&b->table, path, "Roots and kernels of Bagar 2010", SSFR_COUNT(panels), panels));
 end:
     return result;
 }

@@ -234,18 +234,13 @@ end:
 
 static ssfr_result draw_table(const command *c, int table)
 {
-    ssfr_result result = SSFR_OK;
-    const ssfr_csv_table view = ssfr_ledger_view(&c->bench.tables[table]);
+    const ssfr_bench_layout *layout = &ssfr_bench_tables[table];
     ssfr_panel panels[SSFR_BENCH_PANELS];
-    char threads[16], *svg = NULL;
+    char threads[16];
     snprintf(threads, sizeof threads, "%d", c->bench.max_threads);
-    memcpy(panels, ssfr_bench_tables[table].panels, (size_t)ssfr_bench_tables[table].n_panels * sizeof *panels);
-    ssfr_panels_fill(ssfr_bench_tables[table].n_panels, panels, threads);
-    SSFR_TRY(ssfr_meta_path(&svg, c->paths[table], ".svg"));
-    SSFR_TRY(ssfr_chart_save(svg, &view, ssfr_bench_tables[table].title, ssfr_bench_tables[table].n_panels, panels));
-end:
-    free(svg);
-    return result;
+    memcpy(panels, layout->panels, (size_t)layout->n_panels * sizeof *panels);
+    ssfr_panels_fill(layout->n_panels, panels, threads);
+    return ssfr_shown_draw(&c->bench.tables[table], c->paths[table], layout->title, layout->n_panels, panels);
 }
 
 static ssfr_result run(command *c)

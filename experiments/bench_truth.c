@@ -2,7 +2,6 @@
 /* bench_truth.c: `ssfr bench truth`: its options, its table, metadata and charts. */
 #include "experiments/bench_truth.h"
 #include "experiments/capture.h"
-#include "experiments/chart.h"
 #include "experiments/command.h"
 #include "experiments/interrupt.h"
 #include "experiments/meta.h"
@@ -354,18 +353,12 @@ end:
 /* An `only` without a cell is the number of all threads. */
 static ssfr_result draw(const command *c)
 {
-    ssfr_result result = SSFR_OK;
-    const ssfr_csv_table view = ssfr_ledger_view(&c->bench.table);
     ssfr_panel own[SSFR_COUNT(panels)];
-    char threads[16], *svg = NULL;
+    char threads[16];
     snprintf(threads, sizeof threads, "%d", c->bench.max_threads);
     memcpy(own, panels, sizeof own);
     ssfr_panels_fill(SSFR_COUNT(own), own, threads);
-    SSFR_TRY(ssfr_meta_path(&svg, c->words.output, ".svg"));
-    SSFR_TRY(ssfr_chart_save(svg, &view, "What ground truth costs", SSFR_COUNT(own), own));
-end:
-    free(svg);
-    return result;
+    return ssfr_shown_draw(&c->bench.table, c->words.output, "What ground truth costs", SSFR_COUNT(own), own);
 }
 
 static ssfr_result run(command *c)

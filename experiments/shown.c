@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shown.c: rows of a ledger as a table on stdout. */
+/* shown.c: rows of a ledger as a table on stdout, and as a chart. */
 #include "experiments/shown.h"
+#include "experiments/meta.h"
 
 static ssfr_result add_shown(ssfr_table *out, const ssfr_csv_table *table, size_t row, const ssfr_shown *s)
 {
@@ -32,5 +33,18 @@ ssfr_result ssfr_shown_print(const ssfr_ledger *from, const char *title, ssfr_sh
     printf("\n");
 end:
     ssfr_table_finish(&out);
+    return result;
+}
+
+ssfr_result ssfr_shown_draw(const ssfr_ledger *from, const char *csv, const char *title, int n_panels,
+                            const ssfr_panel *panels)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_csv_table view = ssfr_ledger_view(from);
+    char *svg = NULL;
+    SSFR_TRY(ssfr_meta_path(&svg, csv, ".svg"));
+    SSFR_TRY(ssfr_chart_save(svg, &view, title, n_panels, panels));
+end:
+    free(svg);
     return result;
 }
