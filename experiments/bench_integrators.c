@@ -265,14 +265,12 @@ static ssfr_result print_table(const bench *b)
 
 /* ---- for programs ------------------------------------------------------------------------------------------------ */
 
-/* Rows of another study, build or machine must not stand in one table. */
+/* Rows of another study must not stand in one table. */
 static uint64_t identity_of(const bench *b)
 {
-    char text[256], processor[128];
-    ssfr_meta_processor(processor, sizeof processor);
-    snprintf(text, sizeof text, "bench integrators %s %s %ld %s", ssfr_version(), ssfr_meta_commit(), b->line.seed,
-             processor);
-    return ssfr_hash_text(ssfr_hash_text(SSFR_HASH, text), b->text);
+    char text[128];
+    snprintf(text, sizeof text, "bench integrators %ld", b->line.seed);
+    return ssfr_hash_text(ssfr_hash_text(ssfr_meta_hash(), text), b->text);
 }
 
 static ssfr_result save_meta(const bench *b)

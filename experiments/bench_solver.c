@@ -165,14 +165,12 @@ typedef struct command {
     double bandwidth;                 /* bytes/s */
 } command;
 
-/* Rows of another build, another machine or another length of simulation must not stand in one table. */
+/* Rows of another length of simulation must not stand in one table. */
 static uint64_t identity_of(const command *c)
 {
-    char text[256], processor[128];
-    ssfr_meta_processor(processor, sizeof processor);
-    snprintf(text, sizeof text, "bench solver %s %s %d %d %d %s", ssfr_version(), ssfr_meta_commit(),
-             SSFR_SOLVER_VERSION, c->bench.max_threads, c->bench.quick, processor);
-    return ssfr_hash_text(SSFR_HASH, text);
+    char text[128];
+    snprintf(text, sizeof text, "bench solver %d %d %d", SSFR_SOLVER_VERSION, c->bench.max_threads, c->bench.quick);
+    return ssfr_hash_text(ssfr_meta_hash(), text);
 }
 
 static ssfr_result record_parameters(ssfr_record *record)

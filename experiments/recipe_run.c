@@ -28,11 +28,9 @@ typedef struct making {
 
 static uint64_t identity_of(const ssfr_recipe *recipe, const char *scale)
 {
-    char text[512];
-    snprintf(text, sizeof text, "%s %s %d %s", ssfr_version(), ssfr_meta_commit(), omp_get_max_threads(), scale);
-    uint64_t hash = ssfr_hash_text(SSFR_HASH, text);
-    ssfr_meta_processor(text, sizeof text);
-    hash = ssfr_hash_text(hash, text);
+    char threads[16];
+    snprintf(threads, sizeof threads, "%d", omp_get_max_threads());
+    uint64_t hash = ssfr_hash_text(ssfr_hash_text(ssfr_meta_hash(), threads), scale);
     for (size_t i = 0; i < recipe->steps.n; i++) {
         const ssfr_step *step = &recipe->steps.items[i];
         hash = ssfr_hash_text(hash, step->name);

@@ -321,19 +321,16 @@ static uint64_t identity_of(const sweep *s)
     const double view[] = {v->radius,    v->unit,      v->time,      v->camera_time, (double)v->frame, v->scale,
                            v->up_axis,   v->fov_deg,   v->eye[0],    v->eye[1],      v->eye[2],        v->target[0],
                            v->target[1], v->target[2], v->up[0],     v->up[1],       v->up[2]};
-    char text[512];
-    uint64_t hash = hash_settings(hash_settings(SSFR_HASH, &s->spec->settings), &s->spec->reference);
+    char text[128];
+    uint64_t hash = hash_settings(hash_settings(ssfr_meta_hash(), &s->spec->settings), &s->spec->reference);
     hash = hash_meanings(hash, s->spec);
-    snprintf(text, sizeof text, "%s %s %d %d %d %ld %d %d %d", ssfr_version(), ssfr_meta_commit(),
-             omp_get_max_threads(), s->spec->compared_with, SSFR_TRUTH_VERSION, s->o->seed, v->drop_nonfinite,
-             s->o->quick, s->o->no_twin);
+    snprintf(text, sizeof text, "%d %d %d %ld %d %d %d", omp_get_max_threads(), s->spec->compared_with,
+             SSFR_TRUTH_VERSION, s->o->seed, v->drop_nonfinite, s->o->quick, s->o->no_twin);
     hash = hash_truth(ssfr_hash_text(hash, text), s);
     hash = ssfr_hash_bytes(hash, view, sizeof view);
     if (s->o->published) hash = ssfr_published_hash(s->o->published, hash);
     hash = ssfr_hash_text(ssfr_hash_text(hash, v->camera ? v->camera : ""), v->map ? v->map : "");
     hash = ssfr_hash_text(hash, v->play ? v->play : "");
-    ssfr_meta_processor(text, sizeof text);
-    hash = ssfr_hash_text(hash, text);
     return s->gl ? ssfr_hash_text(ssfr_hash_text(hash, ssfr_gl_renderer(s->gl)), ssfr_gl_version(s->gl)) : hash;
 }
 
