@@ -34,6 +34,12 @@ refuses() {
     then ok "$name"; else bad "$name" "status $status, wanted 2 and: $text" "$(cat err)"; fi
 }
 
+# leaves STATUS NAME ARGS: with that status, and with nothing on stderr.
+leaves() {
+    wanted=$1 name=$2; shift 2; run "$@"
+    if [ $status -eq "$wanted" ] && [ ! -s err ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
+}
+
 # accepts NAME ARGS: leaves with 0.
 accepts() {
     name=$1; shift; run "$@"
@@ -44,4 +50,50 @@ accepts() {
 that() {
     name=$1; shift
     if "$@"; then ok "$name"; else bad "$name" "$*"; fi
+}
+
+# ---- what stands in files ----
+
+lines() { if [ -e "$1" ]; then wc -l <"$1"; else echo 0; fi; }
+is_png() { [ "$(od -An -tx1 -N4 "$1" | tr -d ' ')" = 89504e47 ]; }
+# number FILE NAME: the third cell of the row that begins with NAME.
+number() { awk -F, -v name="$2" '$1 == name { print $3 }' "$1"; }
+# column FILE NAME [EXPRESSION]: its cells, in rows that awk finds it true for; cell(NAME) is a cell. Only for tables
+# without quoted cells before it.
+column() {
+    awk -F, -v name="$2" 'function cell(n) { return $at[n] }
+        NR == 1 { for (i = 1; i <= NF; i++) { sub(/ \[.*/, "", $i); at[$i] = i }; next }
+        '"${3:-1}"' { print cell(name) }' "$1"
+}
+# rows FILE [EXPRESSION]: how many rows awk finds it true for.
+rows() { awk -F, "NR > 1 && (${2:-1})" "$1" | wc -l; }
+
+# ---- being stopped ----
+
+# wait_for SECONDS COMMAND: until it holds.
+wait_for() {
+    tries=$(($1 * 50)); shift
+    while ! "$@" && [ $tries -gt 0 ]; do sleep 0.02; tries=$((tries - 1)); done
+    "$@"
+}
+has_lines() { [ "$(lines "$1")" -ge "$2" ]; }
+
+# stop_at FILE N ARGS: asks it to stop when FILE has N lines; status and err are what came of it.
+stop_at() {
+    file=$1 wanted=$2; shift 2
+    "$ssfr" "$@" 2>err &
+    child=$!
+    wait_for 20 has_lines "$file" "$wanted"
+    kill -TERM $child
+    wait $child
+    status=$?
+}
+
+# stops FILE N ARGS: a bench.
+stops() {
+    stop_at "$@"
+    that 'a bench that is asked to stop leaves with 2' [ $status -eq 2 ]
+    that 'and says how to go on' grep -q '^ssfr bench: interrupted.*--resume' err
+    that 'in one line' [ "$(wc -l <err)" -eq 1 ]
+    that 'its table ends in a whole line' [ "$(tail -c 1 "$file" | wc -l)" -eq 1 ]
 }

@@ -6,8 +6,6 @@
 test=bench_flow
 . "$(dirname "$0")/cases.sh"
 
-# rows FILE EXPRESSION: how many rows awk finds it true for.
-rows() { awk -F, "NR > 1 && ($2)" "$1" | wc -l; }
 
 # ---- bumps on a plane ----
 

@@ -6,8 +6,6 @@
 test=bench_kernels
 . "$(dirname "$0")/cases.sh"
 
-# rows FILE EXPRESSION: how many rows awk finds it true for.
-rows() { awk -F, "NR > 1 && ($2)" "$1" | wc -l; }
 # most FILE EXPRESSION: the largest error without its sign among these rows, to four digits.
 most() { awk -F, "NR > 1 && ($2) { e = \$8 < 0 ? -\$8 : \$8; if (e > m) m = e } END { printf \"%.4f\", m }" "$1"; }
 

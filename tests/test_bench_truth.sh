@@ -6,14 +6,6 @@
 test=bench_truth
 . "$(dirname "$0")/cases.sh"
 
-# column FILE NAME: its cells; only for tables without quoted cells.
-column() {
-    awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name || index($i, name " [") == 1) c = i; next }
-                          { print $c }' "$1"
-}
-# rows FILE EXPRESSION: how many rows awk finds it true for.
-rows() { awk -F, "NR > 1 && ($2)" "$1" | wc -l; }
-
 # ---- what it measures ----
 
 run bench truth --quick -o b.csv --threads 2
@@ -60,18 +52,7 @@ rm ./b.* ./whole.csv ./again ./before
 
 # ---- stopped ----
 
-: >s.csv
-"$ssfr" bench truth -o s.csv --max-particles 5000 2>err &
-child=$!
-tries=0
-while [ $tries -lt 200 ] && [ "$(wc -l <s.csv)" -lt 2 ]; do sleep 0.05; tries=$((tries + 1)); done
-kill -TERM $child
-wait $child
-status=$?
-that 'a bench that is asked to stop leaves with 2' [ $status -eq 2 ]
-that 'and says how to go on' grep -q '^ssfr bench: interrupted.*--resume' err
-that 'in one line' [ "$(wc -l <err)" -eq 1 ]
-that 'the table ends in a whole line' [ "$(tail -c 1 s.csv | wc -l)" -eq 1 ]
+stops s.csv 2 bench truth -o s.csv --max-particles 5000
 rm ./s.*
 
 # ---- errors ----

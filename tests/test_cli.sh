@@ -7,8 +7,6 @@ test=cli
 
 nothing_at() { for path; do [ ! -e "$path" ] || return 1; done; [ -z "$(find . -name '*.part')" ]; }
 is_exr() { [ "$(od -An -tx1 -N4 "$1" | tr -d ' ')" = 762f3101 ]; }
-is_png() { [ "$(od -An -tx1 -N4 "$1" | tr -d ' ')" = 89504e47 ]; }
-csv_value() { awk -F, -v m="$2" '$1 == m { print $3 }' "$1"; }
 small="--size 64x48 --backend cpu"
 
 # ---- help and bad usage ----
@@ -145,10 +143,10 @@ accepts 'an image with itself' compare block.exr block.exr
 that 'the CSV has its header' [ "$(head -n 1 out)" = 'metric,unit,value,low,high' ]
 that 'each row has five cells' awk -F, 'NF != 5 { exit 1 }' out
 cp out same.csv
-that 'its PSNR is infinite' [ "$(csv_value same.csv psnr)" = inf ]
-that 'its SSIM is 1' [ "$(csv_value same.csv ssim)" = 1 ]
-that 'its depths agree' [ "$(csv_value same.csv depth_rms)" = 0 ]
-that 'its normals agree' [ "$(csv_value same.csv normal_max_deg)" = 0 ]
+that 'its PSNR is infinite' [ "$(number same.csv psnr)" = inf ]
+that 'its SSIM is 1' [ "$(number same.csv ssim)" = 1 ]
+that 'its depths agree' [ "$(number same.csv depth_rms)" = 0 ]
+that 'its normals agree' [ "$(number same.csv normal_max_deg)" = 0 ]
 run compare seed.exr block.exr
 that 'other numbers are numbers' awk -F, 'NR > 1 && $3 !~ /^-?[0-9.]+(e[-+][0-9]+)?$/ { exit 1 }' out
 run compare seed.exr block.exr --require 'psnr>=99' --require 'ssim<=1'
@@ -172,7 +170,7 @@ refuses 'images of two sizes' 'wide.exr is 65x48 pixels, block.exr is 64x48' com
 accepts 'a difference' compare seed.exr block.exr --diff diff.exr
 accepts 'the difference is zero where nothing differs' compare block.exr block.exr --diff zero.exr
 accepts 'a mask of nothing' compare seed.exr block.exr --mask zero.exr:R
-that 'counts nothing' [ "$(csv_value out psnr)" = NaN ]
+that 'counts nothing' [ "$(number out psnr)" = NaN ]
 mkdir a:b && cp zero.exr a:b/mask.exr
 accepts 'a mask in a folder with a colon' compare seed.exr block.exr --mask a:b/mask.exr
 accepts 'other channels that both have' compare dump/noise.exr dump/noise.exr --require noise.max_abs==0

@@ -5,7 +5,6 @@
 test=compare
 . "$(dirname "$0")/cases.sh"
 
-value() { awk -F, -v m="$2" '$1 == m { print $3 }' "$1"; }
 has() { awk -F, -v m="$2" '$1 == m { found = 1 } END { exit !found }' "$1"; }
 lacks() { ! has "$@"; }
 
@@ -48,11 +47,11 @@ refuses 'a demand on what is not measured' 'is not among what was measured' \
     compare a.exr all.exr --require 'blur<1' --picture n.png --diff n.exr
 that 'without a picture or a difference' [ ! -e n.png -a ! -e n.exr ]
 accepts 'the truth with itself' compare all.exr all.exr --channel N.err --channel N.X,N.Y,N.Z --diff zero.exr
-degrees=$(value out N.err_max_deg)
+degrees=$(number out N.err_max_deg)
 accepts 'its errors alone' compare all.exr zero.exr --channel N.err
 that 'which are radians in the file' holds out "(v[\"N.err.max_abs\"] * 45 / atan2(1, 1) / $degrees - 1)^2 < 1e-6"
 accepts 'every ninth pixel of all' compare a.exr all.exr --channel Z --mask some.exr:cast
-that 'has errors of its own' holds out "v[\"Z.err_mean\"] > 0 && v[\"Z.err_mean\"] != $(value all.csv Z.err_mean)"
+that 'has errors of its own' holds out "v[\"Z.err_mean\"] > 0 && v[\"Z.err_mean\"] != $(number all.csv Z.err_mean)"
 accepts 'larger particles' render block -o large.exr --backend cpu --radius 0.05 $small
 accepts 'against the truth' compare large.exr all.exr --channel Z
 that 'whose radius counts' holds out '(v["depth_max_radii"] * 0.02 / v["depth_max"] - 1)^2 < 1e-12'
@@ -76,14 +75,14 @@ that 'means have intervals around them' \
     v["depth_mean"] < high["depth_mean"] && low["depth_rms"] < v["depth_rms"] && v["depth_rms"] < high["depth_rms"] &&
     low["psnr"] < v["psnr"] && v["psnr"] < high["psnr"] && low["Z.err_mean"] < high["Z.err_mean"]'
 for metric in depth_rms depth_mean normal_mean_deg silhouette_iou psnr; do
-    whole=$(value all.csv $metric)
+    whole=$(number all.csv $metric)
     that "that of $metric holds the whole image's" \
         holds some.csv "low[\"$metric\"] <= $whole && $whole <= high[\"$metric\"]"
 done
 that 'what is interior the picture says alone' holds some.csv 'v["depth_mean_interior"] < 0'
 that 'largest values have none' \
     holds some.csv 'v["depth_max"] > 0 && low["depth_max"] == "" && high["depth_max"] == ""'
-that 'and are no larger than all' holds some.csv "v[\"depth_max\"] <= $(value all.csv depth_max)"
+that 'and are no larger than all' holds some.csv "v[\"depth_max\"] <= $(number all.csv depth_max)"
 that 'what looks around pixels is left out' lacks some.csv ssim
 that 'all of it' lacks some.csv flip
 run compare a.exr some.exr --require 'ssim>=0'
@@ -118,8 +117,8 @@ for n in 1 16; do
 done
 accepts 'without steps' filter curvature_flow depth.exr -o exact.exr --reference rk8pd \
     --set curvature_flow.iterations=5 --set curvature_flow.dt=0.002
-run compare steps_1.exr exact.exr; coarse=$(value out depth_rms)
-run compare steps_16.exr exact.exr; fine=$(value out depth_rms)
+run compare steps_1.exr exact.exr; coarse=$(number out depth_rms)
+run compare steps_16.exr exact.exr; fine=$(number out depth_rms)
 that 'is what steps come to' awk "BEGIN { exit !($fine < $coarse / 8) }"
 refuses 'another pass' 'of curvature_flow only, not of normals' filter normals depth.exr -o n.exr --reference rk8pd
 refuses 'another solver' '--reference' filter curvature_flow depth.exr -o n.exr --reference euler

@@ -104,7 +104,6 @@ that 'a file of particles is made' [ "$(wc -c <block.pos)" -eq 776 ]
 
 cp "$root/docs/example/render.c" "$root/docs/example/Makefile" .
 export LD_LIBRARY_PATH="$dest/usr/lib"
-is_png() { [ "$(od -An -tx1 -N4 "$1" | tr -d ' ')" = 89504e47 ]; }
 that 'the example builds against what is installed' quietly env -u MAKEFLAGS -u MAKELEVEL make -s \
     PKG_CONFIG="$config" CFLAGS='-O2 -Wall -Wextra -Wconversion -Werror -pedantic'
 that 'and runs' quietly ./render block.pos cpu.png cpu

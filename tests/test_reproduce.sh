@@ -6,18 +6,6 @@
 test=reproduce
 . "$(dirname "$0")/cases.sh"
 
-# leaves STATUS NAME ARGS: with that status, and with nothing on stderr.
-leaves() {
-    wanted=$1 name=$2; shift 2; run "$@"
-    if [ $status -eq "$wanted" ] && [ ! -s err ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
-}
-
-lines() { if [ -e "$1" ]; then wc -l <"$1"; else echo 0; fi; }
-# column FILE NAME: its cells; only for tables without quoted cells before it.
-column() {
-    awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name || index($i, name " [") == 1) c = i; next }
-                          { print $c }' "$1"
-}
 cells() { column "$@" | tr '\n' ' '; }
 # holds ID: what claims.csv says of a claim.
 holds() { sed -n "s/^$1,.*,\(yes\|no\|not measured\),[^,]*\$/\1/p" results/claims.csv; }
@@ -121,10 +109,7 @@ for signal in KILL TERM; do
     "$ssfr" reproduce other --max-time 0.05 2>err >out &
     child=$!
     had=$(lines results/other/long.csv)
-    tries=0
-    while [ $tries -lt 200 ] && [ "$(lines results/other/long.csv)" -lt $((had + 3)) ]; do
-        sleep 0.05; tries=$((tries + 1))
-    done
+    wait_for 10 has_lines results/other/long.csv $((had + 3))
     kill -$signal $child
     wait $child 2>/dev/null
     status=$?

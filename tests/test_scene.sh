@@ -15,12 +15,6 @@ n_frames() { find "$1" -name 'fluid_*.h5' | wc -l; }
 sums() { (cd "$1"/* && cksum fluid_* foam_*); }
 same_frames() { [ "$(sums "$1")" = "$(sums "$2")" ]; }
 
-# wait_for SECONDS COMMAND: until it holds.
-wait_for() {
-    tries=$(($1 * 50)); shift
-    while ! "$@" && [ $tries -gt 0 ]; do sleep 0.02; tries=$((tries - 1)); done
-    "$@"
-}
 # has_frames DIR N: by the shell alone, so that what is to be caught half-way is.
 has_frames() {
     wanted=$2

@@ -6,19 +6,6 @@
 test=sweep
 . "$(dirname "$0")/cases.sh"
 
-# leaves STATUS NAME ARGS: with that status, and with nothing on stderr.
-leaves() {
-    wanted=$1 name=$2; shift 2; run "$@"
-    if [ $status -eq "$wanted" ] && [ ! -s err ]; then ok "$name"; else bad "$name" "status $status" "$(cat err)"; fi
-}
-
-lines() { if [ -e "$1" ]; then wc -l <"$1"; else echo 0; fi; }
-rows() { echo $(($(wc -l <"$1") - 1)); }
-# column FILE NAME: its cells; only for tables without quoted cells.
-column() {
-    awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name || index($i, name " [") == 1) c = i; next }
-                          { print $c }' "$1"
-}
 # pick FILE LINE NAMES: cells of a line, with a space behind each.
 pick() {
     file=$1 line=$2; shift 2
@@ -128,8 +115,7 @@ while [ $kills -lt 3 ]; do
     "$ssfr" sweep $slow -o k.csv --resume 2>/dev/null &
     child=$!
     had=$(lines k.csv)
-    tries=0
-    while [ $tries -lt 500 ] && [ "$(lines k.csv)" -lt $((had + 2)) ]; do sleep 0.02; tries=$((tries + 1)); done
+    wait_for 10 has_lines k.csv $((had + 2))
     kill -KILL $child 2>/dev/null && kills=$((kills + 1)) || break
     wait $child 2>/dev/null
 done
@@ -150,12 +136,7 @@ for part in 10 1500 $((size / 2)) $((size - 20)) $((size - 1)); do
     run sweep $many $brief -o k.csv --resume
     that "a table cut at byte $part is made whole" each_once k.csv 16
 done
-"$ssfr" sweep $slow -o i.csv 2>err &
-child=$!
-while [ "$(lines i.csv)" -lt 3 ]; do sleep 0.02; done
-kill -TERM $child
-wait $child
-status=$?
+stop_at i.csv 3 sweep $slow -o i.csv
 that 'a sweep that is asked to stop leaves with 2' [ $status -eq 2 ]
 that 'says how to go on' grep -q '^ssfr sweep: interrupted after [0-9]* of 16 runs.*--resume' err
 that 'and ends in a whole row' [ "$(tail -n 1 i.csv | tr -cd , | wc -c)" -eq "$(head -n 1 i.csv | tr -cd , | wc -c)" ]

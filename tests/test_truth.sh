@@ -10,8 +10,6 @@ export XDG_CACHE_HOME="$work/cache"
 small="--size 64x48 --only surface,thickness"
 balls="--set truth.kind=spheres"
 
-# value QUANTITY: its estimate in `out`.
-value() { awk -F , -v name="$1" '$1 == name { print $3 }' out; }
 n_files() { find "$work/cache" -name '*.tiles' | wc -l; }
 
 # ---- help and lists ----
@@ -29,7 +27,7 @@ accepts 'a ball' truth sphere $small $balls -o ball.exr --preview ball.png
 that 'has a table' grep -q '^quantity,unit,estimate,low,high,n$' out
 that 'that says what is covered' awk -F , '$1 == "covered" { good = $3 > 0.2 && $4 <= $3 && $3 <= $5 && $6 == 3072 }
     END { exit !good }' out
-that 'and that a ball holds one ball' [ "$(value thickness)" = "$(value content)" ]
+that 'and that a ball holds one ball' [ "$(number out thickness)" = "$(number out content)" ]
 that 'has a preview' [ -s ball.png ]
 that 'says nothing else' [ ! -s err ]
 that 'leaves its tiles in the cache' [ "$(find cache/ssfr/truth -maxdepth 1 -name '*.tiles' | wc -l)" -eq 1 ]
@@ -57,25 +55,23 @@ that 'casts again' sh -c '! grep -q "from the cache" err'
 
 exact="--backend cpu --set sphere_depth.splat=exact --set thickness.splat=exact --set downsample.factor=1
     --set curvature_flow.iterations=0"
-# metric NAME: of `out`.
-metric() { awk -F , -v name="$1" '$1 == name { print $3 }' out; }
 at_most() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a <= b) }'; }
 accepts 'the ball as an exact splat' render sphere --size 64x48 $exact -o splat.exr
 accepts 'and as it is' compare splat.exr ball.exr --channel Z
-that 'cover the same pixels' [ "$(metric silhouette_iou)" = 1 ]
-that 'in the same depth' at_most "$(metric Z.max_abs)" 1e-6
+that 'cover the same pixels' [ "$(number out silhouette_iou)" = 1 ]
+that 'in the same depth' at_most "$(number out Z.max_abs)" 1e-6
 accepts 'in thickness' compare splat.exr ball.exr --channel T
-that 'they are the same' at_most "$(metric T.max_abs)" 1e-6
+that 'they are the same' at_most "$(number out T.max_abs)" 1e-6
 accepts 'in normals' compare splat.exr ball.exr --channel N.X,N.Y,N.Z
-that 'up to finite differences' at_most "$(metric normal_mean_deg)" 3
+that 'up to finite differences' at_most "$(number out normal_mean_deg)" 3
 
 # ---- places and kinds ----
 
 # A million metres away the built-in block must be what it is at home.
 accepts 'a block' truth block $small -o here.exr
-here=$(value depth),$(value thickness),$(value content)
+here=$(number out depth),$(number out thickness),$(number out content)
 accepts 'a block a million metres away' truth far $small -o there.exr
-there=$(value depth),$(value thickness),$(value content)
+there=$(number out depth),$(number out thickness),$(number out content)
 that 'has the same depth, thickness and content' awk -v a="$here" -v b="$there" 'BEGIN {
     n = split(a, x, ","); split(b, y, ",")
     for (i = 1; i <= n; i++) if (x[i] == 0 || (x[i] / y[i] - 1) ^ 2 > 1e-12) exit 1 }'
@@ -83,21 +79,21 @@ accepts 'pixel by pixel' compare here.exr there.exr --channel Z,T
 for kind in spheres density zhu_bridson anisotropic; do
     accepts "the plane as $kind" truth plane $small --set truth.kind=$kind
     accepts "nothing as $kind" truth empty $small --set truth.kind=$kind
-    that 'covers nothing' [ "$(value covered)" = 0 ]
+    that 'covers nothing' [ "$(number out covered)" = 0 ]
 done
 accepts 'the splash, in colour, a sample' truth splash --size 160x90 --every 16 -o splash.exr --preview splash.png
 that 'with its luminance' awk -F , '$1 == "luminance" { good = $3 > 0.1 && $4 < $3 && $3 < $5 && $6 == 60 }
     END { exit !good }' out
 from_behind="--eye 1.35,0.6,-4 --target 1.35,0.3,0"
 accepts 'the splash from behind its wall' truth splash $small $from_behind
-hidden=$(value covered)
+hidden=$(number out covered)
 accepts 'as if there were no wall' truth splash $small $from_behind --set truth.solids=0
-that 'which hides some of it' awk -v a="$hidden" -v b="$(value covered)" 'BEGIN { exit !(a < b) }'
+that 'which hides some of it' awk -v a="$hidden" -v b="$(number out covered)" 'BEGIN { exit !(a < b) }'
 
 # ---- samples ----
 
 accepts 'every pixel' truth block $small
-whole=$(value thickness)
+whole=$(number out thickness)
 accepts 'every fourth' truth block $small --every 4
 that 'has an interval around the mean' awk -F , -v mean="$whole" '$1 == "thickness" { good = $4 < mean && mean < $5 }
     END { exit !good }' out
