@@ -67,6 +67,13 @@ column() {
 }
 # rows FILE [EXPRESSION]: how many rows awk finds it true for.
 rows() { awk -F, "NR > 1 && (${2:-1})" "$1" | wc -l; }
+# whole_table FILE: a bench's table has rows of one width, and beside it what each column means and a chart.
+whole_table() {
+    that "$1 has rows of one width" [ "$(awk -F, '{ print NF }' "$1" | sort -u | wc -l)" -eq 1 ]
+    that "$1 has each column explained" [ "$(head -n 1 "$1" | tr , '\n' | wc -l)" -eq \
+        "$(sed -n '/"columns"/,/}/p' "${1%.csv}.meta.json" | grep -c '": "')" ]
+    if command -v gnuplot >/dev/null; then that "$1 has a chart" grep -q '</svg>' "${1%.csv}.svg"; fi
+}
 
 # ---- being stopped ----
 
