@@ -106,6 +106,18 @@ void test_twin_refuses(test_twin *t, const char *key, const char *value, const c
     assert_fails(SSFR_ERR_VALUE, ssfr_graph_set(t->graph, full_key(t, key, full), value), text);
 }
 
+void test_light_towards(const test_light *l, double out[3])
+{
+    const double degree = acos(-1) / 180, a = l->azimuth * degree, e = l->elevation * degree;
+    out[0] = cos(e) * cos(a), out[1] = sin(e), out[2] = cos(e) * sin(a);
+}
+
+void test_twin_light(test_twin *t, const test_light *l)
+{
+    test_twin_set(t, "light.azimuth_deg", "%.17g", l->azimuth);
+    test_twin_set(t, "light.elevation_deg", "%.17g", l->elevation);
+}
+
 void test_twin_give(test_twin *t, const char *port, const ssfr_field *field)
 {
     assert_int_equal(ssfr_graph_import(t->graph, port, field), SSFR_OK);

@@ -45,6 +45,12 @@ void test_twin_place_moving(test_twin *t, size_t n, const double (*eye)[3], doub
                             const float (*velocity)[3]);
 /* Stands the eye elsewhere and turns it. */
 void test_twin_look(test_twin *t, const double eye[3], const double target[3]);
+typedef struct test_light {
+    double azimuth, elevation; /* deg */
+} test_light;
+void test_twin_light(test_twin *t, const test_light *light);
+/* Unit vector of the world. */
+void test_light_towards(const test_light *light, double out[3]);
 /* Runs the pass whatever its `needed` says, and gives an output. */
 ssfr_field *test_twin_run(test_twin *t, const char *output);
 /* Runs the pass when it is needed; *status says whether it was. */

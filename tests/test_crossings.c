@@ -3,7 +3,7 @@
  * as their papers write them, in more digits. Errors that are stated are held to be bounds. */
 #include "experiments/truth/crossings.h"
 #include "tests/counted_memory.h"
-#include "tests/util.h"
+#include "tests/truths.h"
 
 #include <float.h>
 #include <gsl/gsl_poly.h>
@@ -81,16 +81,6 @@ static bool find_first(caster *c, const ssfr_ray *ray, double to, bool inside, s
     bool found;
     assert_int_equal(ssfr_crossings_first(&c->crossings, &c->line, ray, to, inside, out, &found), SSFR_OK);
     return found;
-}
-
-/* From a place in a box towards another. */
-static ssfr_ray random_ray(uint64_t *seed, double extent)
-{
-    ssfr_ray ray;
-    for (int k = 0; k < 3; k++) ray.origin[k] = test_random(seed, -extent, extent);
-    for (int k = 0; k < 3; k++) ray.dir[k] = test_random(seed, -0.5, 0.5) * extent - ray.origin[k];
-    ssfr_normalize(ray.dir);
-    return ray;
 }
 
 /* ---- the fields as the papers write them, in more digits --------------------------------------------------------- */
@@ -272,7 +262,7 @@ static worst check_clouds(ssfr_continuum_kind kind, int kernel, size_t n_rays, s
         ssfr_continuum fluid = fluid_of(clouds[i].n, kind, kernel);
         begin(&c, &fluid);
         for (size_t j = 0; j < n_rays; j++) {
-            const ssfr_ray ray = random_ray(&seed, extent + 6 * radius);
+            const ssfr_ray ray = test_truth_ray(&seed, extent + 6 * radius);
             const double from = j % 3 == 0 ? test_random(&seed, 0, extent) : 0, to = from + 3 * extent + 10 * radius;
             const ssfr_crossings *found = find(&c, &ray, from, to);
             assert_int_equal(found->n_touches, 0);
@@ -860,7 +850,7 @@ static void the_first_crossing_is_the_first_of_all(void **state)
         caster c;
         begin(&c, &fluid);
         for (int i = 0; i < 100; i++) {
-            const ssfr_ray ray = random_ray(&seed, i % 2 ? 2000 * radius : 40 * radius);
+            const ssfr_ray ray = test_truth_ray(&seed, i % 2 ? 2000 * radius : 40 * radius);
             ssfr_crossing first = {0};
             const ssfr_crossings *found = find(&c, &ray, 0, INFINITY);
             const bool inside = found->begins_inside, any = found->n > 0;
@@ -891,7 +881,7 @@ static void a_ray_from_the_surface_does_not_find_the_crossing_that_it_comes_from
         caster c;
         begin(&c, &fluid);
         for (int i = 0; i < 250; i++) {
-            const ssfr_ray ray = random_ray(&seed, 20 * radius);
+            const ssfr_ray ray = test_truth_ray(&seed, 20 * radius);
             ssfr_crossing at, next;
             if (!find_first(&c, &ray, INFINITY, find(&c, &ray, 0, 1e-3 * radius)->begins_inside, &at)) continue;
             ssfr_ray from;
@@ -987,7 +977,7 @@ static void moving_all_by_a_thousand_kilometres_changes_nothing(void **state)
         size_t n = 0;
         begin(&near_by, &near_fluid), begin(&far_off, &far_fluid);
         for (int i = 0; i < 50; i++) {
-            ssfr_ray ray = random_ray(&seed, 20 * radius), moved = ray;
+            ssfr_ray ray = test_truth_ray(&seed, 20 * radius), moved = ray;
             /* The same place in the world, relative to the other fluid's origin. */
             for (int j = 0; j < 3; j++) moved.origin[j] += near_fluid.origin[j] - (far_fluid.origin[j] - far[j]);
             const ssfr_crossings *a = find(&near_by, &ray, 0, INFINITY), *b = find(&far_off, &moved, 0, INFINITY);
@@ -1032,7 +1022,7 @@ static void what_was_found_before_changes_no_bit(void **state)
     caster used;
     begin(&used, &fluid);
     for (int i = 0; i < 20; i++) {
-        const ssfr_ray ray = random_ray(&seed, 20 * radius);
+        const ssfr_ray ray = test_truth_ray(&seed, 20 * radius);
         caster fresh;
         begin(&fresh, &fluid);
         const ssfr_crossings *a = find(&used, &ray, 0, INFINITY), *b = find(&fresh, &ray, 0, INFINITY);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_line.c: the fluid along a ray against sums over all particles and against closed forms. */
 #include "experiments/truth/line.h"
-#include "tests/util.h"
+#include "tests/truths.h"
 
 #include <float.h>
 #include <gsl/gsl_integration.h>
@@ -50,16 +50,6 @@ static ssfr_continuum continuum_of(size_t n, ssfr_continuum_kind kind, int kerne
 }
 
 static const double nowhere[3] = {0, 0, 0};
-
-/* From a place in a box towards another. */
-static ssfr_ray random_ray(uint64_t *seed, double extent)
-{
-    ssfr_ray ray;
-    for (int k = 0; k < 3; k++) ray.origin[k] = test_random(seed, -extent, extent);
-    for (int k = 0; k < 3; k++) ray.dir[k] = test_random(seed, -0.5, 0.5) * extent - ray.origin[k];
-    ssfr_normalize(ray.dir);
-    return ray;
-}
 
 /* What kernel i makes of a difference of places, in supports. */
 static void stretch(const ssfr_continuum *fluid, size_t i, const long double d[3], long double out[3])
@@ -173,7 +163,7 @@ static void a_line_gathers_what_the_ray_meets(void **state)
         size_t n = 0;
         ssfr_line_init(&line, &fluid);
         for (int i = 0; i < 100; i++) {
-            const ssfr_ray ray = random_ray(&seed, 1);
+            const ssfr_ray ray = test_truth_ray(&seed, 1);
             const double from = test_random(&seed, 0, 0.5), to = from + test_random(&seed, 0, 0.5);
             assert_int_equal(ssfr_line_cast(&line, &ray, 0, INFINITY), SSFR_OK);
             n += check_gathered(&line, 1e-6);
@@ -250,7 +240,7 @@ static void densities_are_sums_over_all_particles(void **state)
             double most = 0;
             ssfr_line_init(&line, &fluid);
             for (int i = 0; i < 20; i++) {
-                const ssfr_ray ray = random_ray(&seed, 0.5);
+                const ssfr_ray ray = test_truth_ray(&seed, 0.5);
                 assert_int_equal(ssfr_line_cast(&line, &ray, 0, INFINITY), SSFR_OK);
                 for (int k = 0; k < 20; k++) {
                     const double t = test_random(&seed, 0, 1), density = ssfr_line_density(&line, t);
@@ -389,7 +379,7 @@ static void chords_are_the_integral_of_the_density(void **state)
         ssfr_line_init(&line, &fluid);
         size_t n_all = 0;
         for (int i = 0; i < 30; i++) {
-            const ssfr_ray ray = random_ray(&seed, 0.5);
+            const ssfr_ray ray = test_truth_ray(&seed, 0.5);
             const double a = i % 3 ? test_random(&seed, 0, 0.4) : 0, b = a + test_random(&seed, 0.1, 1);
             size_t n;
             assert_int_equal(ssfr_line_cast(&line, &ray, 0, INFINITY), SSFR_OK);
@@ -583,7 +573,7 @@ static void a_scene_moved_a_million_metres_is_the_same(void **state)
         ssfr_line line[2];
         ssfr_line_init(&line[0], &here), ssfr_line_init(&line[1], &there);
         for (int i = 0; i < 50; i++) {
-            ssfr_ray ray = random_ray(&seed, 0.5);
+            ssfr_ray ray = test_truth_ray(&seed, 0.5);
             double chords[2];
             for (int k = 0; k < 2; k++) {
                 const ssfr_continuum *fluid = k ? &there : &here;
@@ -608,7 +598,7 @@ static void a_line_used_again_gives_the_same_bits(void **state)
     ssfr_line used, fresh;
     ssfr_line_init(&used, &fluid);
     for (int i = 0; i < 50; i++) {
-        const ssfr_ray ray = random_ray(&seed, 0.5);
+        const ssfr_ray ray = test_truth_ray(&seed, 0.5);
         ssfr_line_init(&fresh, &fluid);
         assert_int_equal(ssfr_line_cast(&used, &ray, 0, INFINITY), SSFR_OK);
         assert_int_equal(ssfr_line_cast(&fresh, &ray, 0, INFINITY), SSFR_OK);

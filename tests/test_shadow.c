@@ -14,24 +14,8 @@ enum { W = 60, H = 48, MAP = 128 };
 
 static const char *const kinds[] = {"map", "convolution", "ray"};
 
-typedef struct light {
-    double azimuth, elevation; /* deg */
-} light;
-
 /* From all around, along the view, straight down and up, and level. */
-static const light lights[] = {{125, 40}, {90, 0}, {37, 25}, {60, -35}, {0, 90}, {0, -90}, {140, 0}, {90, 89.99}};
-
-static void towards(const light *l, double out[3])
-{
-    const double degree = acos(-1) / 180, a = l->azimuth * degree, e = l->elevation * degree;
-    out[0] = cos(e) * cos(a), out[1] = sin(e), out[2] = cos(e) * sin(a);
-}
-
-static void set_light(test_twin *t, const light *l)
-{
-    test_twin_set(t, "light.azimuth_deg", "%.17g", l->azimuth);
-    test_twin_set(t, "light.elevation_deg", "%.17g", l->elevation);
-}
+static const test_light lights[] = {{125, 40}, {90, 0}, {37, 25}, {60, -35}, {0, 90}, {0, -90}, {140, 0}, {90, 89.99}};
 
 /* ---- a ball over a sheet ----------------------------------------------------------------------------------------- */
 
@@ -69,27 +53,27 @@ static void place_ball(test_twin *t, const double centre[3])
 }
 
 /* A sheet that faces the light as much as the eye, and a ball that far from the place that is seen in the middle. */
-static ssfr_field *begin_ball(test_twin *t, const light *l, double away, sheet *s)
+static ssfr_field *begin_ball(test_twin *t, const test_light *l, double away, sheet *s)
 {
     double to[3], n[3], centre[3];
-    towards(l, to);
+    test_light_towards(l, to);
     for (int k = 0; k < 3; k++) n[k] = to[k] + (k == 2);
     *s = (sheet){-2.385, -n[0] / n[2], -n[1] / n[2]};
     for (int k = 0; k < 3; k++) centre[k] = away * to[k] + (k == 2 ? s->z0 : 0);
     place_ball(t, centre);
-    set_light(t, l);
+    test_twin_light(t, l);
     ssfr_field *depth = draw(t, s);
     test_twin_give(t, "surface_depth", depth);
     return depth;
 }
 
 /* How far the pixel's place is inside the ball's shadow, m, across the light; negative outside. */
-static double inside(const test_twin *t, const ssfr_field *depth, const light *l, int x, int y)
+static double inside(const test_twin *t, const ssfr_field *depth, const test_light *l, int x, int y)
 {
     const test_ray ray = test_ray_at(t, x, y, 1);
     const double z = *ssfr_field_at(depth, x, y), p[3] = {-ray.u * z, -ray.v * z, z};
     double to[3], d[3];
-    towards(l, to);
+    test_light_towards(l, to);
     for (int k = 0; k < 3; k++) d[k] = ball.centre[k] - p[k];
     const double along = ssfr_dot(d, to);
     return ball_radius - sqrt(fmax(ssfr_dot(d, d) - along * along, 0));
@@ -214,7 +198,7 @@ static ssfr_field *step(void **state, int terms, double scale, bool covered)
     test_twin *t = begin(state);
     ssfr_field *depth = test_field(W, H, 1);
     for (int i = 0; i < W * H; i++) depth->data[i] = -(i + 0.5) / (W * H);
-    set_light(t, &lights[1]);
+    test_twin_light(t, &lights[1]);
     test_twin_set(t, "shadow_basis.terms", "%d", terms);
     test_twin_set(t, "shadow.scale", "%.17g", scale);
     test_twin_give(t, "surface_depth", depth);
@@ -278,7 +262,7 @@ static void where_no_caster_is_all_light_arrives_to_the_bit(void **state)
 static test_twin *begin_cover(void **state)
 {
     test_twin *t = begin(state);
-    set_light(t, &lights[1]);
+    test_twin_light(t, &lights[1]);
     test_twin_set(t, "shadow.kind", "map");
     test_twin_give(t, "light_depth", test_field_filled(1, 1, 1, -1));
     return t;
@@ -443,7 +427,7 @@ static void a_plane_before_the_light_takes_all_of_it(void **state)
         assert_int_equal(ssfr_graph_report(t->graph)->nodes[2].status, SSFR_RAN);
         const ssfr_field *light = test_twin_run(t, "light");
         for (int k = 0; k < W * H; k++) assert_true(light->data[k] == 0);
-        set_light(t, &lights[0]); /* above it */
+        test_twin_light(t, &lights[0]); /* above it */
         assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
         assert_int_equal(ssfr_graph_report(t->graph)->nodes[2].status, SSFR_NEEDLESS);
     }

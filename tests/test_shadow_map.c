@@ -6,25 +6,9 @@
 
 static const double ball_radius = 0.385;
 
-typedef struct light {
-    double azimuth, elevation; /* deg */
-} light;
-
 /* Also straight down and up, level, along an axis, and along the view. */
-static const light lights[] = {{125, 40}, {0, 90}, {0, -90}, {0, 0}, {90, 0}, {-90, 0}, {180, 0}, {37, -25},
-                               {90, 89.9}};
-
-static void towards(const light *l, double out[3])
-{
-    const double degree = acos(-1) / 180, a = l->azimuth * degree, e = l->elevation * degree;
-    out[0] = cos(e) * cos(a), out[1] = sin(e), out[2] = cos(e) * sin(a);
-}
-
-static void set_light(test_twin *t, const light *l)
-{
-    test_twin_set(t, "light.azimuth_deg", "%.17g", l->azimuth);
-    test_twin_set(t, "light.elevation_deg", "%.17g", l->elevation);
-}
+static const test_light lights[] = {{125, 40}, {0, 90}, {0, -90}, {0, 0}, {90, 0}, {-90, 0}, {180, 0}, {37, -25},
+                                    {90, 89.9}};
 
 static ssfr_solid solids[2]; /* of the test that runs */
 
@@ -37,21 +21,21 @@ static void place_ball(test_twin *t, int i, const double centre[3])
 }
 
 /* Fluid around the point at (0.1, -0.2, -3) in eye space, and a ball that much towards the light from it, m. */
-static test_twin *begin(void **state, const light *l, double away)
+static test_twin *begin(void **state, const test_light *l, double away)
 {
     const double at[8][3] = {{-0.4, -0.7, -3.5}, {0.6, -0.7, -3.5}, {-0.4, 0.3, -3.5}, {0.6, 0.3, -3.5},
                              {-0.4, -0.7, -2.5}, {0.6, -0.7, -2.5}, {-0.4, 0.3, -2.5}, {0.6, 0.3, -2.5}};
     double centre[3];
     test_twin *t = test_twin_create(state, "shadow_map", 16, 12);
-    set_light(t, l);
+    test_twin_light(t, l);
     test_twin_place(t, 8, at, 0.05, NULL);
-    towards(l, centre);
+    test_light_towards(l, centre);
     for (int k = 0; k < 3; k++) centre[k] = centre[k] * away + (const double[3]){0.1, -0.2, -3}[k];
     place_ball(t, 0, centre);
     return t;
 }
 
-static ssfr_light_view view_of(const test_twin *t, const light *l)
+static ssfr_light_view view_of(const test_twin *t, const test_light *l)
 {
     ssfr_frame frame = {0};
     ssfr_world world;
@@ -109,7 +93,7 @@ static void the_light_sees_the_near_half_of_a_ball_from_everywhere(void **state)
 
 static void the_nearer_of_two_balls_hides_the_other(void **state)
 {
-    const light *l = &lights[0];
+    const test_light *l = &lights[0];
     test_twin *t = begin(state, l, 2.385);
     const ssfr_field *one = run(t, 64);
     double centre[3];
@@ -145,7 +129,7 @@ static void only_solids_between_fluid_and_light_are_looked_at(void **state)
     } cases[] = {{2.385, 0, SSFR_RAN},        {1e5, 0, SSFR_RAN},          {-0.5, 0, SSFR_RAN},
                  {-2.385, 0, SSFR_NEEDLESS},  {2.385, 3, SSFR_NEEDLESS},   {2.385, -3, SSFR_NEEDLESS},
                  {2.385, 0.8, SSFR_RAN}};
-    const light *l = &lights[0];
+    const test_light *l = &lights[0];
     for (size_t i = 0; i < SSFR_COUNT(cases); i++) {
         test_twin *t = begin(state, l, cases[i].away);
         const ssfr_light_view view = view_of(t, l);
@@ -177,7 +161,7 @@ static void a_plane_casts_shadows_only_with_the_light_behind_it(void **state)
     for (size_t i = 0; i < SSFR_COUNT(lights); i++) {
         test_twin *t = begin(state, &lights[i], 2.385);
         double to[3];
-        towards(&lights[i], to);
+        test_light_towards(&lights[i], to);
         solids[0] = (ssfr_solid){.shape = SSFR_PLANE, .axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                                  .centre = {7, -2, 1e5}};
         const ssfr_light_view view = view_of(t, &lights[i]);
@@ -192,9 +176,9 @@ static void axes_are_orthonormal_whatever_the_light(void **state)
 {
     uint64_t seed = 2385;
     for (int i = 0; i < 100; i++) {
-        const light l = i < (int)SSFR_COUNT(lights)
+        const test_light l = i < (int)SSFR_COUNT(lights)
                             ? lights[i]
-                            : (light){test_random(&seed, -360, 360), test_random(&seed, -90, 90)};
+                            : (test_light){test_random(&seed, -360, 360), test_random(&seed, -90, 90)};
         test_twin t = {.scene = {.floor = -INFINITY}};
         double across[3];
         static const double eye[3] = {0, 0, 0}, ahead[3] = {0, 0, -1}, up[3] = {0, 1, 0};
@@ -216,7 +200,7 @@ static bool is_whole(double v)
 static void texels_stand_still_while_the_eye_moves(void **state)
 {
     (void)state;
-    const light *l = &lights[0];
+    const test_light *l = &lights[0];
     test_twin *t = begin(&(void *){"cpu"}, l, 2.385);
     const ssfr_light_view before = view_of(t, l);
     for (int i = 1; i < 20; i++) {

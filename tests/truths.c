@@ -53,6 +53,16 @@ static bool same_field(const ssfr_field *a, const ssfr_field *b)
            memcmp(a->data, b->data, (size_t)a->w * (size_t)a->h * (size_t)a->c * sizeof *a->data) == 0;
 }
 
+ssfr_ray test_truth_ray(uint64_t *seed, double extent)
+{
+    ssfr_ray ray;
+    for (int k = 0; k < 3; k++) ray.origin[k] = test_random(seed, -extent, extent);
+    for (int k = 0; k < 3; k++) ray.dir[k] = test_random(seed, -0.5, 0.5) * extent - ray.origin[k];
+    ssfr_normalize(ray.dir);
+    return ray;
+}
+
+
 bool test_truth_same(const ssfr_truth *a, const ssfr_truth *b)
 {
     bool same = same_field(a->cast, b->cast);

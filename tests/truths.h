@@ -21,6 +21,9 @@ ssfr_truth *test_truth_cast(const ssfr_stage *stage, const ssfr_truth_params *pa
 /* A channel of a pixel. */
 const double *test_truth_at(const ssfr_truth *truth, ssfr_truth_channel channel, int x, int y);
 
+/* From a place in a box towards another. */
+ssfr_ray test_truth_ray(uint64_t *seed, double extent);
+
 /* All channels have the same bits. */
 bool test_truth_same(const ssfr_truth *a, const ssfr_truth *b);
 /* No value is NaN or infinite, no bound negative. */
