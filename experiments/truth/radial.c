@@ -66,6 +66,11 @@ static double cubic_spline_chord(double b, double s)
     return copysign(8 / M_PI * (outer - inner), s);
 }
 
+/* Value and steepness by what gives both. */
+#define ALONE(kernel)                                                                 \
+    static double kernel##_value(double q) { return kernel##_both(q, &(double){0}); } \
+    static double kernel##_steepness(double q) { double k; kernel##_both(q, &k); return k; }
+
 /* ---- poly6: w = 315 / (64 pi) (1 - q^2)+^3 ----------------------------------------------------------------------- */
 
 static double poly6_both(double q, double *steepness)
@@ -75,18 +80,7 @@ static double poly6_both(double q, double *steepness)
     return 315 / (64 * M_PI) * left * left * left;
 }
 
-static double poly6_value(double q)
-{
-    double steepness;
-    return poly6_both(q, &steepness);
-}
-
-static double poly6_steepness(double q)
-{
-    double steepness;
-    poly6_both(q, &steepness);
-    return steepness;
-}
+ALONE(poly6)
 
 /* 1 - q^2 = H^2 - s^2 with H half the length in the ball: no roots of q, no logarithm. */
 static double poly6_chord(double b, double s)
@@ -107,18 +101,7 @@ static double wendland_both(double q, double *steepness)
     return 21 / (2 * M_PI) * cube * left * (5 - 4 * left);
 }
 
-static double wendland_value(double q)
-{
-    double steepness;
-    return wendland_both(q, &steepness);
-}
-
-static double wendland_steepness(double q)
-{
-    double steepness;
-    wendland_both(q, &steepness);
-    return steepness;
-}
+ALONE(wendland)
 
 /* That of 1 - 10 q^2 + 20 q^3 - 15 q^4 + 4 q^5. */
 static double wendland_chord(double b, double s)
