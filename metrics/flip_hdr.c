@@ -4,10 +4,11 @@
 #include "metrics/run.h"
 #include "metrics/tally.h"
 
+#include "image/srgb.h"
+
 #include <float.h>
 
 static const double shown = 0.85; /* what the brightest and the median pixel are mapped to */
-static const double luminance_weights[] = {0.2126, 0.7152, 0.0722}; /* of linear sRGB */
 
 /* (k0 x^2 + k1 x + k2) / (k3 x^2 + k4 x + k5). ACES as fitted by Narkowicz 2015 without its exposure of 0.6; Hable 2010
  * with his exposure of 2 and white at 11.2. Reinhard's x / (1 + x) is of luminance, the others of each channel. */
@@ -23,9 +24,9 @@ static const double white = 1e6; /* far beyond where each channel is clamped to 
 
 static double luminance(const ssfr_field *image, const double *value)
 {
-    double sum = 0;
-    for (int k = 0; k < 3; k++) sum += luminance_weights[k] * fmax(value[image->c == 1 ? 0 : k], 0);
-    return sum;
+    double linear[3];
+    for (int k = 0; k < 3; k++) linear[k] = fmax(value[image->c == 1 ? 0 : k], 0);
+    return ssfr_srgb_luminance(linear);
 }
 
 /* What is mapped to y: the larger root. */

@@ -3,6 +3,8 @@
 #include "experiments/truth/estimate.h"
 #include "experiments/sampled.h"
 
+#include "image/srgb.h"
+
 #include <float.h>
 
 /* What a mean is of: counts says whether the pixel does, err bounds the value's error. */
@@ -47,17 +49,11 @@ static double content(const ssfr_truth *truth, int x, int y, double *counts, dou
     return at(truth, SSFR_TRUTH_content, x, y);
 }
 
-/* Of linear Rec. 709 colours. */
-static double luminance_of(const double colour[3])
-{
-    return 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
-}
-
 static double foam(const ssfr_truth *truth, int x, int y, double *counts, double *err)
 {
     *counts = 1;
     *err = at(truth, SSFR_TRUTH_foam_err, x, y);
-    return luminance_of(ssfr_field_at(truth->channels[SSFR_TRUTH_foam], x, y));
+    return ssfr_srgb_luminance(ssfr_field_at(truth->channels[SSFR_TRUTH_foam], x, y));
 }
 
 static double foam_opacity(const ssfr_truth *truth, int x, int y, double *counts, double *err)
@@ -71,7 +67,7 @@ static double luminance(const ssfr_truth *truth, int x, int y, double *counts, d
 {
     *counts = 1;
     *err = at(truth, SSFR_TRUTH_colour_err, x, y);
-    return luminance_of(ssfr_field_at(truth->channels[SSFR_TRUTH_colour], x, y));
+    return ssfr_srgb_luminance(ssfr_field_at(truth->channels[SSFR_TRUTH_colour], x, y));
 }
 
 /* least, most: no mean is below or above. A share is of values in [0, 1]. */

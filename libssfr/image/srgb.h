@@ -18,4 +18,10 @@ static inline double ssfr_srgb_decode(double display)
     return display <= 0.04045 ? display / 12.92 : pow((display + 0.055) / 1.055, 2.4);
 }
 
+/* Of a linear colour. */
+static inline double ssfr_srgb_luminance(const double linear[3])
+{
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+}
+
 #endif
