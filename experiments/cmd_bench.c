@@ -161,13 +161,6 @@ end:
 
 /* ---- for people -------------------------------------------------------------------------------------------------- */
 
-static ssfr_result add_titles(ssfr_table *t, const char *const *titles, int n)
-{
-    ssfr_result result = SSFR_OK;
-    for (int i = 0; i < n && result == SSFR_OK; i++) result = ssfr_table_add(t, "%s", titles[i]);
-    return result;
-}
-
 static ssfr_result add_node(ssfr_table *t, const bench *b, int i)
 {
     ssfr_result result = SSFR_OK;
@@ -216,7 +209,7 @@ static ssfr_result print(const bench *b)
     ssfr_result result = SSFR_OK;
     ssfr_table t;
     ssfr_table_init(&t, SSFR_COUNT(titles));
-    SSFR_TRY(add_titles(&t, titles, SSFR_COUNT(titles)));
+    SSFR_TRY(ssfr_table_row(&t, titles));
     for (int i = 0; i < b->timed->n_nodes; i++) SSFR_TRY(add_node(&t, b, i));
     ssfr_table_print(&t, stdout);
     print_frame(b);

@@ -243,7 +243,7 @@ static ssfr_result run(check *c, const ssfr_stage_options *options)
     size_t n_passes = 0;
     for (int i = 0; ssfr_pass_at(i); i++) n_passes += !c->only || ssfr_pass_at(i) == c->only;
     SSFR_TRY(ssfr_gl_create(&c->gl, SSFR_GL_OWN));
-    for (size_t i = 0; i < SSFR_COUNT(titles); i++) SSFR_TRY(ssfr_table_add(&c->table, "%s", titles[i]));
+    SSFR_TRY(ssfr_table_row(&c->table, titles));
     for (int i = 0; i < n; i++)
         SSFR_TRY(check_scene(c, given ? c->o->scenes.items[i] : default_scenes[i], options, (size_t)i * n_passes,
                              (size_t)n * n_passes));

@@ -12,13 +12,10 @@ static ssfr_result list(void)
     ssfr_result result = SSFR_OK;
     ssfr_table table;
     ssfr_table_init(&table, 3);
-    SSFR_TRY(ssfr_table_add(&table, "PASS"));
-    SSFR_TRY(ssfr_table_add(&table, "SOURCE"));
-    SSFR_TRY(ssfr_table_add(&table, "HELP"));
+    SSFR_TRY(ssfr_table_row(&table, (const char *[]){"PASS", "SOURCE", "HELP"}));
     for (int i = 0; ssfr_pass_at(i); i++) {
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_pass_name(ssfr_pass_at(i))));
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_pass_source(ssfr_pass_at(i))));
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_pass_help(ssfr_pass_at(i))));
+        const ssfr_pass *p = ssfr_pass_at(i);
+        SSFR_TRY(ssfr_table_row(&table, (const char *[]){p->name, p->source, p->help}));
     }
     ssfr_table_print(&table, stdout);
 end:

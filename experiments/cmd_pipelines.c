@@ -12,13 +12,10 @@ static ssfr_result list(void)
     ssfr_result result = SSFR_OK;
     ssfr_table table;
     ssfr_table_init(&table, 3);
-    SSFR_TRY(ssfr_table_add(&table, "PIPELINE"));
-    SSFR_TRY(ssfr_table_add(&table, "SOURCE"));
-    SSFR_TRY(ssfr_table_add(&table, "HELP"));
+    SSFR_TRY(ssfr_table_row(&table, (const char *[]){"PIPELINE", "SOURCE", "HELP"}));
     for (int i = 0; ssfr_pipeline_at(i); i++) {
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_pipeline_name(ssfr_pipeline_at(i))));
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_pipeline_at(i)->source));
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_pipeline_help(ssfr_pipeline_at(i))));
+        const ssfr_pipeline *p = ssfr_pipeline_at(i);
+        SSFR_TRY(ssfr_table_row(&table, (const char *[]){p->name, p->source, p->help}));
     }
     ssfr_table_print(&table, stdout);
 end:
@@ -31,14 +28,10 @@ static ssfr_result print_nodes(const ssfr_pipeline *pipeline)
     ssfr_result result = SSFR_OK;
     ssfr_table table;
     ssfr_table_init(&table, 3);
-    SSFR_TRY(ssfr_table_add(&table, "NODE"));
-    SSFR_TRY(ssfr_table_add(&table, "PASS"));
-    SSFR_TRY(ssfr_table_add(&table, "HELP"));
+    SSFR_TRY(ssfr_table_row(&table, (const char *[]){"NODE", "PASS", "HELP"}));
     for (const ssfr_node *node = pipeline->nodes; node->name; node++) {
         const ssfr_pass *pass = ssfr_pass_find(node->pass ? node->pass : node->name);
-        SSFR_TRY(ssfr_table_add(&table, "%s", node->name));
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_pass_name(pass)));
-        SSFR_TRY(ssfr_table_add(&table, "%s", ssfr_pass_help(pass)));
+        SSFR_TRY(ssfr_table_row(&table, (const char *[]){node->name, pass->name, pass->help}));
     }
     ssfr_table_print(&table, stdout);
 end:

@@ -262,12 +262,11 @@ static ssfr_result add_claims(ssfr_table *table, const ssfr_claims *claims)
     ssfr_result result = SSFR_OK;
     for (size_t i = 0; i < claims->n; i++) {
         const ssfr_claim *c = &claims->claims[i];
-        SSFR_TRY(ssfr_table_add(table, "%s", claims->paper));
-        SSFR_TRY(ssfr_table_add(table, "%s", c->id));
-        SSFR_TRY(ssfr_table_add(table, "%s", c->published ? c->published : "-"));
-        SSFR_TRY(c->verdict.measured ? ssfr_table_add(table, "%.4g", c->verdict.left) : ssfr_table_add(table, "-"));
-        SSFR_TRY(ssfr_table_add(table, "%s", ssfr_claim_holds(c)));
-        SSFR_TRY(ssfr_table_add(table, "%s", c->verdict.measured ? c->rule : c->verdict.why));
+        const bool measured = c->verdict.measured;
+        char value[32] = "-";
+        if (measured) snprintf(value, sizeof value, "%.4g", c->verdict.left);
+        SSFR_TRY(ssfr_table_row(table, (const char *[]){claims->paper, c->id, c->published ? c->published : "-", value,
+                                                        ssfr_claim_holds(c), measured ? c->rule : c->verdict.why}));
     }
 end:
     return result;
@@ -306,7 +305,7 @@ static ssfr_result run(const reproduction *r)
     ssfr_result result = SSFR_OK;
     ssfr_table table;
     ssfr_table_init(&table, SSFR_COUNT(head));
-    for (size_t i = 0; i < SSFR_COUNT(head); i++) SSFR_TRY(ssfr_table_add(&table, "%s", head[i]));
+    SSFR_TRY(ssfr_table_row(&table, head));
     ssfr_interrupt_begin();
     result = run_papers(r, &table);
     ssfr_interrupt_end();
@@ -322,7 +321,7 @@ static ssfr_result list(const reproduction *r)
     ssfr_result result = SSFR_OK;
     ssfr_table table;
     ssfr_table_init(&table, SSFR_COUNT(head));
-    for (size_t i = 0; i < SSFR_COUNT(head); i++) SSFR_TRY(ssfr_table_add(&table, "%s", head[i]));
+    SSFR_TRY(ssfr_table_row(&table, head));
     for (size_t i = 0; i < r->n_items; i++) {
         const item *it = &r->items[i];
         const char *title = it->spec ? it->spec->title : it->recipe->title;

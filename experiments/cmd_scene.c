@@ -6,14 +6,6 @@
 #include "experiments/scenes/make.h"
 #include "experiments/stage.h"
 
-static ssfr_result add_titles(ssfr_table *table, const char *const *titles, int n)
-{
-    ssfr_result result = SSFR_OK;
-    ssfr_table_init(table, n);
-    for (int i = 0; i < n && result == SSFR_OK; i++) result = ssfr_table_add(table, "%s", titles[i]);
-    return result;
-}
-
 /* A word without options of its own: false when only help was asked for. */
 static ssfr_result parse_plain(int argc, char **argv, const char *help, bool *go_on)
 {
@@ -68,7 +60,8 @@ static ssfr_result list(int argc, char **argv)
                          "particles that they have at --scale quick, which is the default, and full.",
                          &go_on));
     if (!go_on) goto end;
-    SSFR_TRY(add_titles(&table, titles, SSFR_COUNT(titles)));
+    ssfr_table_init(&table, SSFR_COUNT(titles));
+    SSFR_TRY(ssfr_table_row(&table, titles));
     for (int i = 0; ssfr_builtin_at(i); i++) SSFR_TRY(list_builtin(&table, ssfr_builtin_at(i)));
     for (int i = 0; ssfr_scene_at(i, &source); i++) SSFR_TRY(list_scene(&table, &source));
     ssfr_table_print(&table, stdout);

@@ -12,12 +12,7 @@
 /* A line of the table: what, unit, then its value or values. */
 static ssfr_result add_line(ssfr_table *table, const char *what, const char *unit, const char *value)
 {
-    ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_table_add(table, "%s", what));
-    SSFR_TRY(ssfr_table_add(table, "%s", unit));
-    SSFR_TRY(ssfr_table_add(table, "%s", value));
-end:
-    return result;
+    return ssfr_table_row(table, (const char *[]){what, unit, value});
 }
 
 static ssfr_result add_number(ssfr_table *table, const char *what, const char *unit, double number)

@@ -95,6 +95,13 @@ end:
     return result;
 }
 
+ssfr_result ssfr_table_row(ssfr_table *table, const char *const *texts)
+{
+    ssfr_result result = SSFR_OK;
+    for (int i = 0; i < table->n_columns && result == SSFR_OK; i++) result = ssfr_table_add(table, "%s", texts[i]);
+    return result;
+}
+
 static int column_width(const ssfr_table *table, size_t column)
 {
     size_t width = 0;

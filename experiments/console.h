@@ -25,6 +25,8 @@ typedef struct ssfr_table {
 void ssfr_table_init(ssfr_table *table, int n_columns);
 /* Adds the next cell of the table in reading order. */
 __attribute__((format(printf, 2, 3))) SSFR_MUST ssfr_result ssfr_table_add(ssfr_table *table, const char *format, ...);
+/* A row of texts, as many as there are columns. */
+SSFR_MUST ssfr_result ssfr_table_row(ssfr_table *table, const char *const *texts);
 void ssfr_table_print(const ssfr_table *table, FILE *file);
 void ssfr_table_finish(ssfr_table *table);
 

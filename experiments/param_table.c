@@ -7,10 +7,8 @@
 ssfr_result ssfr_param_table_begin(ssfr_table *table)
 {
     static const char *const heads[] = {"PARAMETER", "UNIT", "VALUE", "RANGE", "HELP"};
-    ssfr_result result = SSFR_OK;
     ssfr_table_init(table, SSFR_COUNT(heads));
-    for (size_t i = 0; i < SSFR_COUNT(heads) && result == SSFR_OK; i++) result = ssfr_table_add(table, "%s", heads[i]);
-    return result;
+    return ssfr_table_row(table, heads);
 }
 
 /* The row's default as the text that sets it. */
@@ -40,15 +38,8 @@ static void format_range(const ssfr_param *row, char *text, size_t size)
 
 ssfr_result ssfr_param_table_add(ssfr_table *table, const char *key, const ssfr_param *row, const char *value)
 {
-    ssfr_result result = SSFR_OK;
     char own[256], range[512];
     format_default(row, own, sizeof own);
     format_range(row, range, sizeof range);
-    SSFR_TRY(ssfr_table_add(table, "%s", key));
-    SSFR_TRY(ssfr_table_add(table, "%s", row->unit));
-    SSFR_TRY(ssfr_table_add(table, "%s", value ? value : own));
-    SSFR_TRY(ssfr_table_add(table, "%s", range));
-    SSFR_TRY(ssfr_table_add(table, "%s", row->help));
-end:
-    return result;
+    return ssfr_table_row(table, (const char *[]){key, row->unit, value ? value : own, range, row->help});
 }
