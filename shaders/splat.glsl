@@ -24,15 +24,7 @@ flat in uint v_particle;
 #ifndef EXACT
 #include "root.glsl"
 #endif
-
-struct Fragment {
-    vec2 at;     // place on the sprite, right and down, in radii
-    float r2;    // |at|^2
-    float front; // m, eye-space z
-    float back;
-    float chord; // m
-    float area;  // 1; of streaks another
-};
+#include "fragment.glsl"
 
 // Discards where there is none.
 Fragment meet_sphere()
@@ -66,11 +58,6 @@ Fragment meet_sphere()
     f.chord = 2.0 * rise;
 #endif
     f.area = 1.0;
-    float near = -frame.horizon.w;
-    if (f.back > near) discard;
-    if (f.front > near) { // the eye is inside the sphere: what the ray sees of it begins at the near plane
-        f.chord *= (near - f.back) / (f.front - f.back);
-        f.front = near;
-    }
+    cut_front(f);
     return f;
 }
