@@ -2,12 +2,7 @@
 /* sphere_depth_cpu.c: the nearest sphere at each pixel, in double. */
 #include "passes/sphere_depth.h"
 
-static void keep_nearest(const ssfr_run *run, const ssfr_fragment *f, double *pixel)
-{
-    if (f->front >= *ssfr_field_fetch(run->in[0], f->x, f->y)) *pixel = fmax(*pixel, f->front);
-}
-
 void ssfr_sphere_depth_cpu(const ssfr_run *run)
 {
-    ssfr_splat_cpu(run, keep_nearest);
+    ssfr_splat_cpu(run, ssfr_splat_keep_nearest);
 }

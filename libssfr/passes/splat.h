@@ -89,6 +89,9 @@ typedef struct ssfr_fragment { /* where a pixel's ray meets a particle's sphere 
 typedef void ssfr_splat_shade(const ssfr_run *run, const ssfr_fragment *fragment, double *pixel);
 void ssfr_splat_cpu(const ssfr_run *run, ssfr_splat_shade *shade);
 
+/* Keeps the nearest front before the scene, which is the first input. */
+ssfr_splat_shade ssfr_splat_keep_nearest;
+
 /* What that is made of. draw: particle i into rows y0 to y1 - 1. */
 typedef void ssfr_splat_draw(const ssfr_run *run, size_t i, int y0, int y1, ssfr_splat_shade *shade);
 void ssfr_splat_each(const ssfr_run *run, ssfr_splat_draw *draw, ssfr_splat_shade *shade);

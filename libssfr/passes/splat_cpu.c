@@ -96,6 +96,11 @@ void ssfr_splat_emit(const ssfr_run *run, ssfr_fragment *f, ssfr_splat_shade *sh
     shade(run, f, ssfr_field_at(run->out[0], f->x, f->y));
 }
 
+void ssfr_splat_keep_nearest(const ssfr_run *run, const ssfr_fragment *f, double *pixel)
+{
+    if (f->front >= *ssfr_field_fetch(run->in[0], f->x, f->y)) *pixel = fmax(*pixel, f->front);
+}
+
 ssfr_box ssfr_splat_box(const ssfr_run *run, const double lo[2], const double hi[2], int y0, int y1)
 {
     return (ssfr_box){(int)floor(ssfr_clamp(lo[0], 0, run->w)), (int)ceil(ssfr_clamp(hi[0], 0, run->w)),
