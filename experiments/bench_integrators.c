@@ -233,19 +233,12 @@ static size_t best_of(const ssfr_csv_table *t, size_t begin, size_t end)
     return best;
 }
 
-static bool is_same_rule(const ssfr_csv_table *t, size_t a, size_t b)
-{
-    bool same = true;
-    for (int k = 0; k < N_KEYS - 1 && same; k++) same = strcmp(ssfr_csv_cell(t, a, k), ssfr_csv_cell(t, b, k)) == 0;
-    return same;
-}
-
 /* Rows of one rule follow each other, but for those that a resumed table lacked. */
 static bool is_best(const ssfr_csv_table *t, size_t row)
 {
     size_t begin = row, end = row + 1;
-    while (begin > 0 && is_same_rule(t, begin - 1, row)) begin--;
-    while (end < t->n_rows && is_same_rule(t, end, row)) end++;
+    while (begin > 0 && ssfr_csv_same_cells(t, begin - 1, row, N_KEYS - 1)) begin--;
+    while (end < t->n_rows && ssfr_csv_same_cells(t, end, row, N_KEYS - 1)) end++;
     return best_of(t, begin, end) == row;
 }
 

@@ -172,13 +172,6 @@ end:
     return result;
 }
 
-static bool is_same_curve(const ssfr_csv_table *t, size_t a, size_t b)
-{
-    bool same = true;
-    for (int k = 0; k < N_KEYS - 1 && same; k++) same = strcmp(ssfr_csv_cell(t, a, k), ssfr_csv_cell(t, b, k)) == 0;
-    return same;
-}
-
 /* Of each curve that is not exact, the row whose error is largest; its rows need not follow each other. */
 static bool is_worst(const ssfr_csv_table *t, size_t row)
 {
@@ -187,7 +180,7 @@ static bool is_worst(const ssfr_csv_table *t, size_t row)
     bool worst = own > 0;
     for (size_t i = 0; i < t->n_rows && worst; i++) {
         const double other = fabs(ssfr_csv_cell_number(t, i, error));
-        worst = !is_same_curve(t, i, row) || other < own || (other == own && i >= row);
+        worst = !ssfr_csv_same_cells(t, i, row, N_KEYS - 1) || other < own || (other == own && i >= row);
     }
     return worst;
 }

@@ -173,6 +173,13 @@ const char *ssfr_csv_cell(const ssfr_csv_table *table, size_t row, int column)
     return table->cells[(row + 1) * (size_t)table->n_columns + (size_t)column];
 }
 
+bool ssfr_csv_same_cells(const ssfr_csv_table *table, size_t a, size_t b, int n)
+{
+    bool same = true;
+    for (int i = 0; i < n && same; i++) same = strcmp(ssfr_csv_cell(table, a, i), ssfr_csv_cell(table, b, i)) == 0;
+    return same;
+}
+
 double ssfr_csv_cell_number(const ssfr_csv_table *table, size_t row, int column)
 {
     const char *text = ssfr_csv_cell(table, row, column);

@@ -25,6 +25,8 @@ void ssfr_csv_table_destroy(ssfr_csv_table **table);
 
 /* The cell of a row (0 is the first below the header) and a column. */
 const char *ssfr_csv_cell(const ssfr_csv_table *table, size_t row, int column);
+/* Two rows have the same first n cells. */
+bool ssfr_csv_same_cells(const ssfr_csv_table *table, size_t a, size_t b, int n);
 /* A cell as a number, NaN when it is none. */
 double ssfr_csv_cell_number(const ssfr_csv_table *table, size_t row, int column);
 /* A column's header is that name, with or without a unit. */
