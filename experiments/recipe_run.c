@@ -5,6 +5,7 @@
 #include "experiments/hash.h"
 #include "experiments/interrupt.h"
 #include "experiments/meta.h"
+#include "experiments/options.h"
 #include "experiments/output.h"
 #include "experiments/recipe.h"
 
@@ -121,12 +122,13 @@ static ssfr_result run_command(const ssfr_step *step, char *output)
 {
     char *argv[MOST_ARGUMENTS] = {NULL}, flag[] = "-o";
     int argc = 0;
-    const int threads = omp_get_max_threads(), kept = silence();
+    const ssfr_manner manner = ssfr_options_manner();
+    const int kept = silence();
     for (; argc < step->n; argc++) argv[argc] = step->words[argc];
     argv[argc++] = flag;
     argv[argc++] = output;
     const int status = ssfr_command_find(step->words[0])->run(argc, argv);
-    omp_set_num_threads(threads); /* --threads is of that command alone */
+    ssfr_options_resume(&manner);
     speak(kept);
     if (status == SSFR_EXIT_FAILED)
         return ssfr_fail(SSFR_ERR_VALUE, "ssfr %s: what it checks does not hold", step->words[0]);

@@ -202,6 +202,20 @@ refuses 'what is malformed is found out before anything runs' 'pictures.yaml:4:5
     reproduce --anew
 rm -r experiments/made before.png
 
+# ---- what a command is told is of it alone ----
+
+mkdir experiments/told
+echo '[]' >experiments/told/claims.yaml
+echo "command: [bench, vanderlaan2009, --scene, block, --quiet, $small, --max-time, 0.001]" >experiments/told/a.yaml
+cp experiments/tiny/fig2.yaml experiments/told/b.yaml
+run reproduce told $brief --verbose
+that 'it speaks as it was told to, after a command that is quiet' grep -q '^ssfr reproduce: 2 of 2 runs' err
+run reproduce told/b $brief -o alone
+threads() { grep '"threads":' "$1"; }
+that 'and has as many threads as by itself' \
+    [ "$(threads results/told/b.meta.json)" = "$(threads alone/told/b.meta.json)" ]
+rm -r experiments/told alone
+
 # ---- errors: one line, and nothing half-written ----
 
 rm -r results
