@@ -259,6 +259,16 @@ that 'nothing is left of all this' [ ! -e results ]
 leaves 0 'a sweep by itself has the published numbers, too' sweep experiments/tiny/tab1.yaml $brief
 that 'beside its own' [ "$(column out published_ms | head -n 2 | tr '\n' ' ')" = '14 15.50 ' ]
 
+# links in a circle, for root may look into all folders
+mkdir closed && cd closed || exit 2
+ln -s experiments experiments
+refuses 'papers that cannot be looked into are not those of the program' 'experiments: ' reproduce --list
+rm experiments
+mkdir -p experiments/tiny
+ln -s claims.yaml experiments/tiny/claims.yaml
+refuses 'nor is one of them left out' 'experiments/tiny/claims.yaml: ' reproduce --list
+cd .. && rm -r closed
+
 # ---- from anywhere: what was built in ----
 
 names() {
