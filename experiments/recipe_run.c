@@ -27,10 +27,10 @@ typedef struct making {
 
 /* ---- the record: a line of what all has in common, then a line a step, "name: the command" ----------------------- */
 
-static uint64_t identity_of(const ssfr_recipe *recipe, const char *scale)
+static uint64_t identity_of(const ssfr_recipe *recipe, const ssfr_recipe_options *o)
 {
     char text[512];
-    snprintf(text, sizeof text, "%s %s %d %s", ssfr_version(), ssfr_meta_commit(), omp_get_max_threads(), scale);
+    snprintf(text, sizeof text, "%s %s %d %s", ssfr_version(), ssfr_meta_commit(), omp_get_max_threads(), o->scale);
     uint64_t hash = ssfr_hash_text(SSFR_HASH, text);
     ssfr_meta_processor(text, sizeof text);
     hash = ssfr_hash_text(hash, text);
@@ -39,7 +39,7 @@ static uint64_t identity_of(const ssfr_recipe *recipe, const char *scale)
         hash = ssfr_hash_text(hash, step->name);
         for (int k = 0; k < step->n; k++) hash = ssfr_hash_text(hash, step->words[k]);
     }
-    return hash;
+    return o->published ? ssfr_published_hash(o->published, hash) : hash;
 }
 
 static ssfr_result add_line(const making *m, const char *line)
@@ -71,8 +71,8 @@ static ssfr_result read_record(making *m)
     SSFR_TRY(ssfr_read_file(m->record, MOST_RECORD, &m->made, &size));
     if (strtoull(m->made, NULL, 16) != m->identity)
         result = ssfr_fail(SSFR_ERR_VALUE,
-                           "%s: was made by other commands, hardware or another build, or at another scale: nothing to "
-                           "go on with; --anew makes it again",
+                           "%s: was made by other commands, hardware or another build, at another scale or beside other "
+                           "published numbers: nothing to go on with; --anew makes it again",
                            m->record);
 end:
     return result;
@@ -240,7 +240,7 @@ end:
 ssfr_result ssfr_recipe_run(const ssfr_recipe *recipe, const ssfr_recipe_options *options)
 {
     ssfr_result result = SSFR_OK;
-    making m = {.recipe = recipe, .o = options, .identity = identity_of(recipe, options->scale)};
+    making m = {.recipe = recipe, .o = options, .identity = identity_of(recipe, options)};
     snprintf(m.record, sizeof m.record, "%s.made.txt", options->item);
     if (options->anew) forget(&m);
     SSFR_TRY(read_record(&m));

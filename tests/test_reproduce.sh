@@ -180,6 +180,10 @@ leaves 0 'what was not noted was not finished' reproduce made/pictures
 that 'and is made again' [ "$(fresh)" = 'results/made/pictures/rough.png results/made/pictures/usual.png ' ]
 refuses 'scales are not mixed here either' 'results/made/pictures.made.txt: was made by other commands' \
     reproduce made/pictures --scale full
+sed -i 's/3.50/3.75/' experiments/made/published/shares.csv
+refuses 'nor published numbers' 'results/made/bench.made.txt: was made by other commands' reproduce made/bench
+leaves 0 'which stand beside it anew' reproduce made/bench --anew
+that 'as they are now' grep -q ',3.75$' results/made/bench.csv
 cp experiments/made/pictures.yaml keep.yaml
 sed -i 's/iterations=0/iterations=1/' experiments/made/pictures.yaml
 refuses 'nor are recipes' 'results/made/pictures.made.txt: was made by other commands' reproduce made/pictures
