@@ -53,9 +53,10 @@ static ssfr_result add_line(const making *m, const char *line)
 
 static ssfr_result begin_record(making *m)
 {
-    char line[512];
-    snprintf(line, sizeof line, "%016" PRIx64 " ssfr %s, commit %s, %s", m->identity, ssfr_version(),
-             ssfr_meta_commit(), m->o->scale);
+    char line[512], processor[256];
+    ssfr_meta_processor(processor, sizeof processor);
+    snprintf(line, sizeof line, "%016" PRIx64 " ssfr %s, commit %s, %s, %d threads of %s", m->identity, ssfr_version(),
+             ssfr_meta_commit(), m->o->scale, omp_get_max_threads(), processor);
     return add_line(m, line);
 }
 

@@ -169,6 +169,8 @@ that 'with the published numbers beside' \
     [ "$(grep -c ',3.50$' results/made/bench.csv) $(grep '(frame),' results/made/bench.csv | grep -c ',19$')" = '1 1' ]
 that 'and a record of what was done' \
     grep -qx 'rough: ssfr render block --backend cpu .* -s curvature_flow.iterations=0' results/made/pictures.made.txt
+that 'by which build, at which scale and on what machine' \
+    grep -q '^[0-9a-f]\{16\} ssfr [0-9.]*, commit .*, quick, [0-9]* threads of ..*' results/made/pictures.made.txt
 # fresh: what was made since it was touched.
 fresh() { find results/made -newermt 2002-01-01 \( -name '*.csv' -o -name '*.png' \) | sort | tr '\n' ' '; }
 touch -d '2001-01-01' results/made/bench.csv results/made/pictures/*.png
