@@ -60,21 +60,31 @@ static ssfr_result begin_record(making *m)
     return add_line(m, line);
 }
 
+/* A step came to its end: there is a line behind the first. */
+static bool holds_steps(const char *made)
+{
+    const char *first_end = strchr(made, '\n');
+    return first_end && first_end[1];
+}
+
+/* A record of nothing, of commands that could not run, is begun again. */
 static ssfr_result read_record(making *m)
 {
     ssfr_result result = SSFR_OK;
     size_t size;
-    if (access(m->record, F_OK) != 0) {
+    if (access(m->record, F_OK) == 0)
+        SSFR_TRY(ssfr_read_file(m->record, MOST_RECORD, &m->made, &size));
+    else
         SSFR_TRY(ssfr_alloc(&m->made, 1, 1, "a record"));
+    if (!holds_steps(m->made)) {
+        remove(m->record);
         SSFR_TRY(begin_record(m));
-        goto end;
-    }
-    SSFR_TRY(ssfr_read_file(m->record, MOST_RECORD, &m->made, &size));
-    if (strtoull(m->made, NULL, 16) != m->identity)
+    } else if (strtoull(m->made, NULL, 16) != m->identity) {
         result = ssfr_fail(SSFR_ERR_VALUE,
                            "%s: was made by other commands, hardware or another build, at another scale or beside other "
                            "published numbers: nothing to go on with; --anew makes it again",
                            m->record);
+    }
 end:
     return result;
 }

@@ -203,6 +203,9 @@ sed -i 's/vanderlaan2009, --scene, block/nothing/' experiments/made/bench.yaml
 refuses 'so is a pipeline that is none' 'nothing: no such pipeline' reproduce made/bench --anew
 echo 'command: [passes, composite]' >experiments/made/bench.yaml
 refuses 'a command must know where to write' 'unknown option' reproduce made/bench --anew
+echo "command: [bench, vanderlaan2009, --scene, block, $small, --max-time, 0.001]" >experiments/made/bench.yaml
+leaves 0 'once that is mended it goes on: nothing was made by other words' reproduce made/bench
+that 'and is on record' [ "$(grep -c . results/made/bench.made.txt)" -eq 2 ]
 sed -i 's/rough/usual/' experiments/made/pictures.yaml
 refuses 'what is malformed is found out before anything runs' 'pictures.yaml:4:5: the name usual stands twice' \
     reproduce --anew
