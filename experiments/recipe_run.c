@@ -241,8 +241,8 @@ static ssfr_result run_steps(const making *m)
         SSFR_TRY(run_step(m, &m->recipe->steps.items[done]));
     }
     if (done < n)
-        result = ssfr_fail(SSFR_ERR_IO, "%s: interrupted after %zu of %zu; the same command goes on from there",
-                           m->o->what, done, n);
+        result = ssfr_fail(SSFR_ERR_IO, "%s: interrupted after %zu of %zu; %s", m->o->what, done, n,
+                           ssfr_interrupt_advice(m->o->anew));
 end:
     ssfr_console_progress(m->o->what, n, n);
     return result;

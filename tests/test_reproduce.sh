@@ -135,6 +135,14 @@ that 'being stopped is an error' [ $status -eq 2 ]
 that 'which says how to go on' grep -q \
     '^ssfr reproduce: other/long, 1 of 1: interrupted after [0-9]* of [0-9]* runs; the same command goes on' err
 that 'in one line' [ "$(lines err)" -eq 1 ]
+had=$(lines results/other/long.csv)
+"$ssfr" reproduce other --max-time 0.05 --anew 2>err >out &
+child=$!
+tries=0
+while [ $tries -lt 200 ] && [ ! "$(lines results/other/long.csv)" -lt "$had" ]; do sleep 0.05; tries=$((tries + 1)); done
+kill -TERM $child
+wait $child 2>/dev/null
+that 'what is measured anew would begin again' grep -q '; the same command without --anew goes on from there$' err
 leaves 0 'the same command goes on' reproduce other --max-time 0.05
 that 'to every row once' [ "$(sed 1d results/other/long.csv | cut -d, -f1 | sort -nu | wc -l)" -eq 30 ]
 that 'and no more' [ "$(lines results/other/long.csv)" -eq 31 ]
