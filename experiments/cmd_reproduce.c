@@ -251,8 +251,8 @@ static ssfr_result run_item(const reproduction *r, size_t i)
     SSFR_TRY(make_folders(r, it->paper->name));
     SSFR_TRY(it->spec ? run_sweep(r, it, base, what) : run_recipe(r, it, base, what));
     if (ssfr_interrupt_came() && i + 1 < r->n_items)
-        result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu items; the same command goes on from there",
-                           i + 1, r->n_items);
+        result = ssfr_fail(SSFR_ERR_IO, "interrupted after %zu of %zu items; %s", i + 1, r->n_items,
+                           ssfr_interrupt_advice(r->words->anew));
 end:
     return result;
 }

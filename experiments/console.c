@@ -39,6 +39,11 @@ void ssfr_console_level(ssfr_level level)
     shown = level;
 }
 
+ssfr_level ssfr_console_shown(void)
+{
+    return shown;
+}
+
 void ssfr_console_progress(const char *what, size_t done, size_t total)
 {
     static double begun, drawn;

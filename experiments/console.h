@@ -10,6 +10,7 @@ void ssfr_console_open(const char *command);
 
 /* Lines above this level are not shown; SSFR_WARNING at first. */
 void ssfr_console_level(ssfr_level level);
+ssfr_level ssfr_console_shown(void);
 
 /* A progress bar with the time left while stderr is a terminal and not -q, else nothing. `done` of `total`, which may
  * be called as often as is convenient; done == total removes the bar. */

@@ -39,6 +39,11 @@ void ssfr_interrupt_end(void)
     sigaction(SIGTERM, &before_term, NULL);
 }
 
+const char *ssfr_interrupt_advice(bool anew)
+{
+    return anew ? "the same command without --anew goes on from there" : "the same command goes on from there";
+}
+
 bool ssfr_interrupt_came(void)
 {
     return depth > 0 && came;

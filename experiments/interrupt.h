@@ -11,6 +11,10 @@ void ssfr_interrupt_begin(void);
 /* What a signal did before. */
 void ssfr_interrupt_end(void);
 
+/* How to go on with what `ssfr reproduce` began, for the end of a message: with --anew the same words would begin
+ * again. */
+const char *ssfr_interrupt_advice(bool anew);
+
 /* A signal came since the outermost begin, whose end was not yet. */
 bool ssfr_interrupt_came(void);
 

@@ -226,15 +226,35 @@ static ssfr_result check_arguments(const ssfr_usage *usage, const ssfr_list *arg
     return SSFR_OK;
 }
 
+static const char rasteriser[] = "LP_NUM_THREADS"; /* Mesa's in software reads it when a context is made */
+
+/* What is not said stays: as it was at first, or as it is in the command that calls this one. */
 static void apply(const ssfr_command_line *line)
 {
-    ssfr_console_level(line->quiet ? SSFR_ERROR : line->verbose ? SSFR_INFO : SSFR_WARNING);
-    if (line->threads > 0) {
-        char text[24];
-        snprintf(text, sizeof text, "%ld", line->threads);
-        omp_set_num_threads((int)line->threads);
-        setenv("LP_NUM_THREADS", text, 1); /* Mesa's software rasteriser reads it when a context is made */
-    }
+    char text[24];
+    if (line->quiet || line->verbose) ssfr_console_level(line->quiet ? SSFR_ERROR : SSFR_INFO);
+    if (line->threads == 0) return;
+    snprintf(text, sizeof text, "%ld", line->threads);
+    omp_set_num_threads((int)line->threads);
+    setenv(rasteriser, text, 1);
+}
+
+ssfr_manner ssfr_options_manner(void)
+{
+    const char *text = getenv(rasteriser);
+    ssfr_manner manner = {.threads = omp_get_max_threads(), .level = ssfr_console_shown()};
+    snprintf(manner.rasteriser, sizeof manner.rasteriser, "%s", text ? text : "");
+    return manner;
+}
+
+void ssfr_options_resume(const ssfr_manner *manner)
+{
+    omp_set_num_threads(manner->threads);
+    ssfr_console_level(manner->level);
+    if (manner->rasteriser[0])
+        setenv(rasteriser, manner->rasteriser, 1);
+    else
+        unsetenv(rasteriser);
 }
 
 ssfr_result ssfr_options_parse(ssfr_command_line *out, const ssfr_usage *usage, int argc, char **argv)

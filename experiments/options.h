@@ -64,8 +64,18 @@ typedef struct ssfr_command_line {
 } ssfr_command_line;
 
 /* Reads argv[1..]; argv[0] is the command's own name. Options stand before, between and after the arguments, as
- * --name value, --name=value, -o value or -ovalue; "--" ends them. --threads, -q and --verbose are put into effect. */
+ * --name value, --name=value, -o value or -ovalue; "--" ends them. --threads, -q and --verbose are put into effect: for
+ * the whole process, so that a command that calls another one must take back what that was told. */
 SSFR_MUST ssfr_result ssfr_options_parse(ssfr_command_line *out, const ssfr_usage *usage, int argc, char **argv);
+
+typedef struct ssfr_manner { /* what these have set */
+    int threads;
+    char rasteriser[24]; /* its number of threads, which the environment holds; "" when it does not */
+    ssfr_level level;
+} ssfr_manner;
+
+ssfr_manner ssfr_options_manner(void);
+void ssfr_options_resume(const ssfr_manner *manner);
 
 /* The text of --help. */
 void ssfr_options_print(FILE *file, const ssfr_usage *usage);

@@ -92,6 +92,12 @@ end:
     return result;
 }
 
+/* What cannot be looked into must not be taken for what is not there: then other papers than those here would run. */
+static ssfr_result check_absent(const char *path)
+{
+    return errno == ENOENT || errno == ENOTDIR ? SSFR_OK : ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+}
+
 /* A folder that is not there holds no papers. */
 static ssfr_result list_disk(ssfr_papers *papers)
 {
@@ -99,9 +105,10 @@ static ssfr_result list_disk(ssfr_papers *papers)
     char path[SSFR_PAPER_PATH];
     struct dirent **entries = NULL;
     const int n = scandir(folder, &entries, is_visible, alphasort);
+    if (n < 0) SSFR_TRY(check_absent(folder));
     for (int i = 0; i < n; i++) {
         snprintf(path, sizeof path, "%s/%s/%s", folder, entries[i]->d_name, claims);
-        if (access(path, R_OK) == 0) SSFR_TRY(list_paper(papers, entries[i]->d_name));
+        SSFR_TRY(access(path, F_OK) == 0 ? list_paper(papers, entries[i]->d_name) : check_absent(path));
     }
     papers->on_disk = papers->n > 0;
 end:

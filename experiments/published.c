@@ -96,7 +96,8 @@ void ssfr_published_destroy(ssfr_published **published)
 uint64_t ssfr_published_hash(const ssfr_published *p, uint64_t hash)
 {
     hash = ssfr_hash_text(hash, p->header);
-    for (int i = 0; i < p->spec->n_on; i++) hash = ssfr_hash_text(hash, p->spec->on[i]);
+    for (int i = 0; i < p->spec->n_on; i++)
+        hash = ssfr_hash_text(ssfr_hash_text(hash, p->spec->on[i]), p->spec->with[i]);
     for (size_t i = 0; i < (p->table->n_rows + 1) * (size_t)p->table->n_columns; i++)
         hash = ssfr_hash_text(hash, p->table->cells[i]);
     return hash;

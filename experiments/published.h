@@ -24,6 +24,7 @@ void ssfr_published_destroy(ssfr_published **published);
  * Numbers are the same however they are written. */
 const char *ssfr_published_find(const ssfr_published *published, const char *const *cells);
 
+/* Goes on with a hash, over the numbers and what joins them to rows. */
 uint64_t ssfr_published_hash(const ssfr_published *published, uint64_t hash);
 
 #endif

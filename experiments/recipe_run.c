@@ -5,6 +5,7 @@
 #include "experiments/hash.h"
 #include "experiments/interrupt.h"
 #include "experiments/meta.h"
+#include "experiments/options.h"
 #include "experiments/output.h"
 #include "experiments/recipe.h"
 
@@ -26,17 +27,17 @@ typedef struct making {
 
 /* ---- the record: a line of what all has in common, then a line a step, "name: the command" ----------------------- */
 
-static uint64_t identity_of(const ssfr_recipe *recipe, const char *scale)
+static uint64_t identity_of(const ssfr_recipe *recipe, const ssfr_recipe_options *o)
 {
     char threads[16];
     snprintf(threads, sizeof threads, "%d", omp_get_max_threads());
-    uint64_t hash = ssfr_hash_text(ssfr_hash_text(ssfr_meta_hash(), threads), scale);
+    uint64_t hash = ssfr_hash_text(ssfr_hash_text(ssfr_meta_hash(), threads), o->scale);
     for (size_t i = 0; i < recipe->steps.n; i++) {
         const ssfr_step *step = &recipe->steps.items[i];
         hash = ssfr_hash_text(hash, step->name);
         for (int k = 0; k < step->n; k++) hash = ssfr_hash_text(hash, step->words[k]);
     }
-    return hash;
+    return o->published ? ssfr_published_hash(o->published, hash) : hash;
 }
 
 static ssfr_result add_line(const making *m, const char *line)
@@ -50,27 +51,38 @@ static ssfr_result add_line(const making *m, const char *line)
 
 static ssfr_result begin_record(making *m)
 {
-    char line[512];
-    snprintf(line, sizeof line, "%016" PRIx64 " ssfr %s, commit %s, %s", m->identity, ssfr_version(),
-             ssfr_meta_commit(), m->o->scale);
+    char line[512], processor[256];
+    ssfr_meta_processor(processor, sizeof processor);
+    snprintf(line, sizeof line, "%016" PRIx64 " ssfr %s, commit %s, %s, %d threads of %s", m->identity, ssfr_version(),
+             ssfr_meta_commit(), m->o->scale, omp_get_max_threads(), processor);
     return add_line(m, line);
 }
 
+/* A step came to its end: there is a line behind the first. */
+static bool holds_steps(const char *made)
+{
+    const char *first_end = strchr(made, '\n');
+    return first_end && first_end[1];
+}
+
+/* A record of nothing, of commands that could not run, is begun again. */
 static ssfr_result read_record(making *m)
 {
     ssfr_result result = SSFR_OK;
     size_t size;
-    if (access(m->record, F_OK) != 0) {
+    if (access(m->record, F_OK) == 0)
+        SSFR_TRY(ssfr_read_file(m->record, MOST_RECORD, &m->made, &size));
+    else
         SSFR_TRY(ssfr_alloc(&m->made, 1, 1, "a record"));
+    if (!holds_steps(m->made)) {
+        remove(m->record);
         SSFR_TRY(begin_record(m));
-        goto end;
-    }
-    SSFR_TRY(ssfr_read_file(m->record, MOST_RECORD, &m->made, &size));
-    if (strtoull(m->made, NULL, 16) != m->identity)
+    } else if (strtoull(m->made, NULL, 16) != m->identity) {
         result = ssfr_fail(SSFR_ERR_VALUE,
-                           "%s: was made by other commands, hardware or another build, or at another scale: nothing to "
-                           "go on with; --anew makes it again",
+                           "%s: was made by other commands, hardware or another build, at another scale or beside other "
+                           "published numbers: nothing to go on with; --anew makes it again",
                            m->record);
+    }
 end:
     return result;
 }
@@ -119,12 +131,13 @@ static ssfr_result run_command(const ssfr_step *step, char *output)
 {
     char *argv[MOST_ARGUMENTS] = {NULL}, flag[] = "-o";
     int argc = 0;
-    const int threads = omp_get_max_threads(), kept = silence();
+    const ssfr_manner manner = ssfr_options_manner();
+    const int kept = silence();
     for (; argc < step->n; argc++) argv[argc] = step->words[argc];
     argv[argc++] = flag;
     argv[argc++] = output;
     const int status = ssfr_command_find(step->words[0])->run(argc, argv);
-    omp_set_num_threads(threads); /* --threads is of that command alone */
+    ssfr_options_resume(&manner);
     speak(kept);
     if (status == SSFR_EXIT_FAILED)
         return ssfr_fail(SSFR_ERR_VALUE, "ssfr %s: what it checks does not hold", step->words[0]);
@@ -226,8 +239,8 @@ static ssfr_result run_steps(const making *m)
         SSFR_TRY(run_step(m, &m->recipe->steps.items[done]));
     }
     if (done < n)
-        result = ssfr_fail(SSFR_ERR_IO, "%s: interrupted after %zu of %zu; the same command goes on from there",
-                           m->o->what, done, n);
+        result = ssfr_fail(SSFR_ERR_IO, "%s: interrupted after %zu of %zu; %s", m->o->what, done, n,
+                           ssfr_interrupt_advice(m->o->anew));
 end:
     ssfr_console_progress(m->o->what, n, n);
     return result;
@@ -236,7 +249,7 @@ end:
 ssfr_result ssfr_recipe_run(const ssfr_recipe *recipe, const ssfr_recipe_options *options)
 {
     ssfr_result result = SSFR_OK;
-    making m = {.recipe = recipe, .o = options, .identity = identity_of(recipe, options->scale)};
+    making m = {.recipe = recipe, .o = options, .identity = identity_of(recipe, options)};
     snprintf(m.record, sizeof m.record, "%s.made.txt", options->item);
     if (options->anew) forget(&m);
     SSFR_TRY(read_record(&m));

@@ -500,10 +500,10 @@ static ssfr_result run(sweep *s)
     ssfr_log(SSFR_INFO, "%zu of %zu runs in %.1f s", n, todo, ssfr_clock() - begun);
     if (s->n_failed) ssfr_log(SSFR_WARNING, "%zu of %zu runs failed: their column status says why", s->n_failed, n);
     if (n < todo)
-        result = ssfr_fail(SSFR_ERR_IO, "%s%sinterrupted after %zu of %zu runs%s", s->o->what ? s->o->what : "",
-                           s->o->what ? ": " : "", n, todo,
-                           s->o->what     ? "; the same command goes on from there"
-                           : s->o->output ? "; the same command with --resume goes on from there"
+        result = ssfr_fail(SSFR_ERR_IO, "%s%sinterrupted after %zu of %zu runs%s%s", s->o->what ? s->o->what : "",
+                           s->o->what ? ": " : "", n, todo, s->o->output ? "; " : "",
+                           s->o->what     ? ssfr_interrupt_advice(!s->o->resume)
+                           : s->o->output ? "the same command with --resume goes on from there"
                                           : "");
     else if (s->o->output && !s->o->no_plot)
         SSFR_TRY(ssfr_figures_draw(s->o->output, s->spec));

@@ -140,6 +140,28 @@ static void threads_are_put_into_effect(void **state)
     assert_string_equal(getenv("LP_NUM_THREADS"), "3");
 }
 
+static void what_was_put_into_effect_can_be_taken_back(void **state)
+{
+    (void)state;
+    for (int set = 0; set < 2; set++) {
+        if (set)
+            setenv("LP_NUM_THREADS", "5", 1);
+        else
+            unsetenv("LP_NUM_THREADS");
+        const ssfr_manner before = ssfr_options_manner();
+        assert_int_equal(parse("--threads", "3", "--quiet"), SSFR_OK);
+        assert_int_equal(ssfr_options_manner().threads, 3);
+        assert_int_equal(ssfr_options_manner().level, SSFR_ERROR);
+        assert_int_equal(parse("x"), SSFR_OK); /* says nothing of these, so they stay */
+        assert_int_equal(ssfr_options_manner().level, SSFR_ERROR);
+        ssfr_options_resume(&before);
+        assert_int_equal(ssfr_options_manner().threads, before.threads);
+        assert_int_equal(ssfr_options_manner().level, before.level);
+        assert_string_equal(getenv("LP_NUM_THREADS") ? getenv("LP_NUM_THREADS") : "none", set ? "5" : "none");
+    }
+    unsetenv("LP_NUM_THREADS");
+}
+
 static void unknown_options_are_named(void **state)
 {
     (void)state;
@@ -266,6 +288,7 @@ int main(void)
         cmocka_unit_test(arguments_stand_anywhere_and_two_dashes_end_the_options),
         cmocka_unit_test(every_command_has_the_common_options),
         cmocka_unit_test(threads_are_put_into_effect),
+        cmocka_unit_test(what_was_put_into_effect_can_be_taken_back),
         cmocka_unit_test(unknown_options_are_named),
         cmocka_unit_test(missing_and_needless_values_are_refused),
         cmocka_unit_test(malformed_numbers_are_refused),

@@ -4,8 +4,11 @@
 #include "experiments/published.h"
 #include "tests/util.h"
 
-static char file[] = "tab1.csv", ms[] = "ms", scene[] = "scene", steps[] = "steps", place[] = "item.yaml:7:1";
-static const ssfr_published_spec spec = {.file = file, .column = ms, .n_on = 2, .on = {scene, steps}, .where = place};
+static char file[] = "tab1.csv", ms[] = "ms", scene[] = "scene", steps[] = "steps", n[] = "n",
+            place[] = "item.yaml:7:1";
+static const ssfr_published_spec
+    spec = {.file = file, .column = ms, .n_on = 2, .on = {scene, steps}, .with = {scene, n}, .where = place},
+    otherwise = {.file = file, .column = ms, .n_on = 2, .on = {scene, steps}, .with = {n, scene}, .where = place};
 static const char table[] = "scene,steps,ms [ms],gpu\nblock,0,14,x\nblock,2.0,15.50,x\n\"a, b\",,16,x\n";
 
 static ssfr_published *parse(const char *text)
@@ -43,6 +46,8 @@ static void other_numbers_have_another_hash(void **state)
     ssfr_published *a = parse(table), *b = parse(other), *c = parse(table);
     assert_true(ssfr_published_hash(a, SSFR_HASH) != ssfr_published_hash(b, SSFR_HASH));
     assert_true(ssfr_published_hash(a, SSFR_HASH) == ssfr_published_hash(c, SSFR_HASH));
+    c->spec = &otherwise; /* joined by other columns */
+    assert_true(ssfr_published_hash(a, SSFR_HASH) != ssfr_published_hash(c, SSFR_HASH));
     ssfr_published_destroy(&a);
     ssfr_published_destroy(&b);
     ssfr_published_destroy(&c);

@@ -120,6 +120,14 @@ that 'being stopped is an error' [ $status -eq 2 ]
 that 'which says how to go on' grep -q \
     '^ssfr reproduce: other/long, 1 of 1: interrupted after [0-9]* of [0-9]* runs; the same command goes on' err
 that 'in one line' [ "$(lines err)" -eq 1 ]
+had=$(lines results/other/long.csv)
+"$ssfr" reproduce other --max-time 0.05 --anew 2>err >out &
+child=$!
+tries=0
+while [ $tries -lt 200 ] && [ ! "$(lines results/other/long.csv)" -lt "$had" ]; do sleep 0.05; tries=$((tries + 1)); done
+kill -TERM $child
+wait $child 2>/dev/null
+that 'what is measured anew would begin again' grep -q '; the same command without --anew goes on from there$' err
 leaves 0 'the same command goes on' reproduce other --max-time 0.05
 that 'to every row once' [ "$(sed 1d results/other/long.csv | cut -d, -f1 | sort -nu | wc -l)" -eq 30 ]
 that 'and no more' [ "$(lines results/other/long.csv)" -eq 31 ]
@@ -154,6 +162,8 @@ that 'with the published numbers beside' \
     [ "$(grep -c ',3.50$' results/made/bench.csv) $(grep '(frame),' results/made/bench.csv | grep -c ',19$')" = '1 1' ]
 that 'and a record of what was done' \
     grep -qx 'rough: ssfr render block --backend cpu .* -s curvature_flow.iterations=0' results/made/pictures.made.txt
+that 'by which build, at which scale and on what machine' \
+    grep -q '^[0-9a-f]\{16\} ssfr [0-9.]*, commit .*, quick, [0-9]* threads of ..*' results/made/pictures.made.txt
 # fresh: what was made since it was touched.
 fresh() { find results/made -newermt 2002-01-01 \( -name '*.csv' -o -name '*.png' \) | sort | tr '\n' ' '; }
 touch -d '2001-01-01' results/made/bench.csv results/made/pictures/*.png
@@ -165,6 +175,10 @@ leaves 0 'what was not noted was not finished' reproduce made/pictures
 that 'and is made again' [ "$(fresh)" = 'results/made/pictures/rough.png results/made/pictures/usual.png ' ]
 refuses 'scales are not mixed here either' 'results/made/pictures.made.txt: was made by other commands' \
     reproduce made/pictures --scale full
+sed -i 's/3.50/3.75/' experiments/made/published/shares.csv
+refuses 'nor published numbers' 'results/made/bench.made.txt: was made by other commands' reproduce made/bench
+leaves 0 'which stand beside it anew' reproduce made/bench --anew
+that 'as they are now' grep -q ',3.75$' results/made/bench.csv
 cp experiments/made/pictures.yaml keep.yaml
 sed -i 's/iterations=0/iterations=1/' experiments/made/pictures.yaml
 refuses 'nor are recipes' 'results/made/pictures.made.txt: was made by other commands' reproduce made/pictures
@@ -182,10 +196,27 @@ sed -i 's/vanderlaan2009, --scene, block/nothing/' experiments/made/bench.yaml
 refuses 'so is a pipeline that is none' 'nothing: no such pipeline' reproduce made/bench --anew
 echo 'command: [passes, composite]' >experiments/made/bench.yaml
 refuses 'a command must know where to write' 'unknown option' reproduce made/bench --anew
+echo "command: [bench, vanderlaan2009, --scene, block, $small, --max-time, 0.001]" >experiments/made/bench.yaml
+leaves 0 'once that is mended it goes on: nothing was made by other words' reproduce made/bench
+that 'and is on record' [ "$(grep -c . results/made/bench.made.txt)" -eq 2 ]
 sed -i 's/rough/usual/' experiments/made/pictures.yaml
 refuses 'what is malformed is found out before anything runs' 'pictures.yaml:4:5: the name usual stands twice' \
     reproduce --anew
 rm -r experiments/made before.png
+
+# ---- what a command is told is of it alone ----
+
+mkdir experiments/told
+echo '[]' >experiments/told/claims.yaml
+echo "command: [bench, vanderlaan2009, --scene, block, --quiet, $small, --max-time, 0.001]" >experiments/told/a.yaml
+cp experiments/tiny/fig2.yaml experiments/told/b.yaml
+run reproduce told $brief --verbose
+that 'it speaks as it was told to, after a command that is quiet' grep -q '^ssfr reproduce: 2 of 2 runs' err
+run reproduce told/b $brief -o alone
+threads() { grep '"threads":' "$1"; }
+that 'and has as many threads as by itself' \
+    [ "$(threads results/told/b.meta.json)" = "$(threads alone/told/b.meta.json)" ]
+rm -r experiments/told alone
 
 # ---- errors: one line, and nothing half-written ----
 
@@ -229,6 +260,16 @@ refuses 'a folder must have its own' 'absent/results: No such file' reproduce ti
 that 'nothing is left of all this' [ ! -e results ]
 leaves 0 'a sweep by itself has the published numbers, too' sweep experiments/tiny/tab1.yaml $brief
 that 'beside its own' [ "$(column out published_ms | head -n 2 | tr '\n' ' ')" = '14 15.50 ' ]
+
+# links in a circle, for root may look into all folders
+mkdir closed && cd closed || exit 2
+ln -s experiments experiments
+refuses 'papers that cannot be looked into are not those of the program' 'experiments: ' reproduce --list
+rm experiments
+mkdir -p experiments/tiny
+ln -s claims.yaml experiments/tiny/claims.yaml
+refuses 'nor is one of them left out' 'experiments/tiny/claims.yaml: ' reproduce --list
+cd .. && rm -r closed
 
 # ---- from anywhere: what was built in ----
 
