@@ -358,7 +358,8 @@ static void what_a_lone_frame_implies_is_foam_since_a_random_time(void **state)
     assert_int_equal(ssfr_alloc(&foam, N, sizeof *foam, "lifetimes"), SSFR_OK);
     for (int k = 0; k < 4; k++) {
         ssfr_weber_params params = ssfr_weber_defaults();
-        params.fade_in_max = 0.5, params.lifetime = 3;
+        params.fade_in_min = k == 2 ? 0.5 : 0.25, params.fade_in_max = k == 2 ? 0.25 : 0.5; /* in any order */
+        params.lifetime = 3;
         if (k == 3) params.start = SSFR_START_WATER;
         ssfr_weber *weber = create(&params, k == 1 ? 2 : 1);
         assert_int_equal(ssfr_weber_step(weber, p, 0, NULL, lifetime[k], NULL), SSFR_OK);
