@@ -249,12 +249,12 @@ typedef struct ssfr_weber_params {
     int transition;
     int start;
     double threshold;  /* of the Weber number, [0, inf] */
-    double length;     /* m, l; 0: the particle's diameter, as the text has it */
-    double tension;    /* N/m, sigma; with l = 1 m and sigma = 1 N/m the number is rho v^2, as listing A.1 has it */
-    double band;       /* half the transition in the Weber number, in thresholds, (0, 1] */
-    double fade_in_min, fade_in_max;           /* s, a particle takes a random time between these to turn to foam */
-    double lifetime;                           /* s, and this to turn back, */
-    double lifetime_share_min, lifetime_share_max; /* times a random number between these */
+    double length;     /* m, l, to 1e6; 0: the particle's diameter, as the text has it */
+    double tension;    /* N/m, sigma, [1e-6, 1e6]; with l = 1 m and sigma = 1 N/m the number is rho v^2: listing A.1 */
+    double band;       /* half the transition in the Weber number, in thresholds, [1e-3, 1] */
+    double fade_in_min, fade_in_max; /* s, [0, 1e6], a particle takes a random time between these to turn to foam */
+    double lifetime;                 /* s, [0, 1e6], and this to turn back, */
+    double lifetime_share_min, lifetime_share_max; /* [0, 1000], times a random number between these */
     int lag;  /* frames that foam is late, 0 or 1: a step tells what the last one found, and that who is new is water */
     int seed; /* of the random numbers, from 0 */
 } ssfr_weber_params;

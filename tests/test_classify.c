@@ -358,7 +358,8 @@ static void what_a_lone_frame_implies_is_foam_since_a_random_time(void **state)
     assert_int_equal(ssfr_alloc(&foam, N, sizeof *foam, "lifetimes"), SSFR_OK);
     for (int k = 0; k < 4; k++) {
         ssfr_weber_params params = ssfr_weber_defaults();
-        params.fade_in_max = 0.5, params.lifetime = 3;
+        params.fade_in_min = k == 2 ? 0.5 : 0.25, params.fade_in_max = k == 2 ? 0.25 : 0.5; /* in any order */
+        params.lifetime = 3;
         if (k == 3) params.start = SSFR_START_WATER;
         ssfr_weber *weber = create(&params, k == 1 ? 2 : 1);
         assert_int_equal(ssfr_weber_step(weber, p, 0, NULL, lifetime[k], NULL), SSFR_OK);
@@ -438,6 +439,29 @@ static void random_times_are_uniform_and_independent(void **state)
     assert_close(mean(later, N), 0.375, 4 * 0.25 / sqrt(12.0 * N), 0);
     assert_close(correlation(one, later, N), 0, chance, 0);
     ssfr_weber_destroy(&weber);
+}
+
+/* Ids that differ in one byte alone, in another order in each frame. */
+static void ids_are_told_apart_by_all_their_bits(void **state)
+{
+    (void)state;
+    static const uint32_t ids[2][5] = {{0x01020304, 0x02020304, 0x01030304, 0x01020404, 0x01020305},
+                                       {0x01020305, 0x01020304, 0x01020404, 0x02020304, 0x01030304}};
+    const ssfr_weber_params params = started_as_water();
+    unsigned char phase[5];
+    for (int moving = 0; moving < 5; moving++) {
+        ssfr_weber *weber = create(&params, 2385);
+        for (int f = 0; f < 2; f++) {
+            double speeds[5];
+            for (int i = 0; i < 5; i++) speeds[i] = f == 0 && ids[0][i] == ids[0][moving] ? fast : slow;
+            ssfr_particles *p = frame(5, ids[f], speeds);
+            assert_int_equal(ssfr_weber_step(weber, p, 0.1, NULL, NULL, phase), SSFR_OK);
+            for (int i = 0; i < 5; i++)
+                assert_int_equal(phase[i], p->id[i] == ids[0][moving] ? SSFR_PHASE_WATER_TO_FOAM : SSFR_PHASE_WATER);
+            ssfr_particles_destroy(&p);
+        }
+        ssfr_weber_destroy(&weber);
+    }
 }
 
 /* ---- numbers and thresholds -------------------------------------------------------------------------------------- */
@@ -657,6 +681,23 @@ static void a_call_that_fails_changes_no_state(void **state)
     ssfr_weber_destroy(&other);
 }
 
+static void the_first_particle_without_a_number_is_named(void **state)
+{
+    (void)state;
+    static const double speeds[4] = {0};
+    const int before = omp_get_max_threads();
+    ssfr_weber *weber = create(NULL, 0);
+    ssfr_particles *p = frame(4, NULL, speeds);
+    for (int k = 1; k < 4; k++) p->density[k] = NAN;
+    for (int threads = 1; threads <= 4; threads++) {
+        omp_set_num_threads(threads);
+        assert_fails(SSFR_ERR_VALUE, ssfr_weber_step(weber, p, 0, NULL, NULL, NULL), "particle 1 (from 0)");
+    }
+    omp_set_num_threads(before);
+    ssfr_particles_destroy(&p);
+    ssfr_weber_destroy(&weber);
+}
+
 static void parameters_out_of_range_are_refused(void **state)
 {
     (void)state;
@@ -825,6 +866,7 @@ int main(void)
         cmocka_unit_test(foam_that_lags_is_that_of_the_frame_before),
         cmocka_unit_test(what_a_lone_frame_implies_is_foam_since_a_random_time),
         cmocka_unit_test(random_times_are_uniform_and_independent),
+        cmocka_unit_test(ids_are_told_apart_by_all_their_bits),
         cmocka_unit_test(length_and_tension_scale_the_number),
         cmocka_unit_test(a_number_that_equals_the_threshold_is_foam),
         cmocka_unit_test(extreme_thresholds_and_velocities_have_a_phase),
@@ -834,6 +876,7 @@ int main(void)
         cmocka_unit_test(a_threshold_is_found_for_a_share_of_foam),
         cmocka_unit_test(missing_arrays_are_named),
         cmocka_unit_test(a_call_that_fails_changes_no_state),
+        cmocka_unit_test(the_first_particle_without_a_number_is_named),
         cmocka_unit_test(parameters_out_of_range_are_refused),
         cmocka_unit_test(memory_grows_with_the_most_particles),
         cmocka_unit_test(splashes_have_a_density_below_the_threshold),

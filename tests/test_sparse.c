@@ -157,7 +157,19 @@ static void water_shrinks_and_foam_grows_as_one_turns_to_the_other(void **state)
 
 static void values_out_of_range_are_refused(void **state)
 {
+    const float bad[] = {1000, (float)INFINITY, NAN, NAN};
     test_twin *t = test_twin_create(state, "sparse", W, H);
+    ssfr_particles *p = make(4, bad);
+    char text[64];
+    t->scene.particles = p;
+    for (size_t i = p->n; i-- > 0;)
+        if (isnan(p->density[i])) snprintf(text, sizeof text, "particle %zu (from 0): density nan kg/m^3", i);
+    assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(t->graph, &t->scene, NULL), text);
+    for (size_t i = 0; i < p->n; i++)
+        if (isnan(p->density[i])) p->density[i] = 0;
+    run(t, false);
+    assert_sizes(t, "water_size", 4, (const double[]){1, 1, 0, 0});
+    ssfr_particles_destroy(&p);
     test_twin_refuses(t, "density_threshold", "-1", "density_threshold=-1: out of range [0, 1e+09] kg/m^3");
     test_twin_refuses(t, "density_threshold", "nan", "density_threshold=nan: expected a finite");
     test_twin_refuses(t, "point_shrink", "1.1", "point_shrink=1.1: out of range [0, 1]");

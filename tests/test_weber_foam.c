@@ -152,6 +152,9 @@ static void history_is_asked_for_until_a_frame_was_seen(void **state)
     assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
     test_twin_set(t, "lifetime", "2");
     assert_close(ssfr_graph_history(t->graph, &t->scene), 3.5, 1e-15, 0);
+    test_twin_set(t, "fade_in_min", "4"); /* the longest, by whatever name */
+    test_twin_set(t, "lifetime_share_min", "3");
+    assert_close(ssfr_graph_history(t->graph, &t->scene), 10, 1e-15, 0);
     test_twin_set(t, "off", "1");
     assert_true(ssfr_graph_history(t->graph, &t->scene) < 0);
     test_twin_set(t, "off", "0");

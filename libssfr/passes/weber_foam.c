@@ -8,11 +8,11 @@ static bool needed(const ssfr_run *run)
     return !run->values[0]->same && !run->values[1]->same;
 }
 
-/* Once the longest fades are over it no longer matters what they began from. */
+/* By then the fades that were under way before the first frame, which cannot know them, are over. */
 static double history(const void *params)
 {
     const ssfr_weber_params *p = params;
-    return p->fade_in_max + p->lifetime * p->lifetime_share_max;
+    return fmax(p->fade_in_min, p->fade_in_max) + p->lifetime * fmax(p->lifetime_share_min, p->lifetime_share_max);
 }
 
 static void finish(void *state)

@@ -201,7 +201,8 @@ static void imply(const ssfr_weber *weber, state *s, double number)
         s->phase = number >= p->threshold ? SSFR_PHASE_FOAM : SSFR_PHASE_WATER;
         s->foam = faded(s);
     }
-    if (s->phase != SSFR_PHASE_WATER) s->lifetime = draw(weber, s, p->fade_in_max, p->fade_in_max + p->lifetime);
+    const double fade = fmax(p->fade_in_min, p->fade_in_max);
+    if (s->phase != SSFR_PHASE_WATER) s->lifetime = draw(weber, s, fade, fade + p->lifetime);
 }
 
 static void turn(const ssfr_weber *weber, state *s, double number, double dt)
