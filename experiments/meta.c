@@ -36,7 +36,7 @@ uint64_t ssfr_hash_particles(const ssfr_particles *particles)
 /* ---- parts ------------------------------------------------------------------------------------------------------- */
 
 /* "Intel(R) ..." or "unknown". */
-static void find_processor(char *text, size_t size)
+void ssfr_meta_processor(char *text, size_t size)
 {
     char line[256];
     FILE *file = fopen("/proc/cpuinfo", "r");
@@ -54,7 +54,7 @@ static void find_processor(char *text, size_t size)
 uint64_t ssfr_meta_hash(void)
 {
     char processor[256];
-    find_processor(processor, sizeof processor);
+    ssfr_meta_processor(processor, sizeof processor);
     return ssfr_hash_text(ssfr_hash_text(ssfr_hash_text(SSFR_HASH, ssfr_version()), SSFR_COMMIT), processor);
 }
 
@@ -101,7 +101,7 @@ static void put_machine(ssfr_json *json, const ssfr_meta *meta)
     char text[256];
     struct utsname os;
     ssfr_json_object(json, "machine");
-    find_processor(text, sizeof text);
+    ssfr_meta_processor(text, sizeof text);
     ssfr_json_text(json, "processor", text);
     ssfr_json_integer(json, "cores", sysconf(_SC_NPROCESSORS_ONLN));
     ssfr_json_integer(json, "threads", omp_get_max_threads());

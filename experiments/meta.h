@@ -15,6 +15,8 @@ uint64_t ssfr_hash_particles(const ssfr_particles *particles);
 /* The commit that the program was built from, "-dirty" behind it when files differed from it; "" when not known. */
 const char *ssfr_meta_commit(void);
 
+/* The processor's name, as the system has it. */
+void ssfr_meta_processor(char *text, size_t size);
 /* Of version, commit and processor, as identities begin: rows of another build or machine must not mix. */
 uint64_t ssfr_meta_hash(void);
 

@@ -82,6 +82,17 @@ static void assert_needless(test_twin *t)
 }
 
 /* Without a node that makes foam there is none, as with one that makes none, or only behind the eye. */
+/* A scene of the foam's own depth. */
+static void foam_exactly_at_the_scene_is_seen(void **state)
+{
+    test_twin *t = test_twin_create(state, "foam_depth", W, H);
+    make_cloud(-2, -1, 0.4);
+    const ssfr_field *open = draw(t, N, (const double(*)[3])cloud, 0.1, sizes);
+    test_twin_give(t, "scene_depth", open);
+    assert_true(test_same_bits(draw(t, N, (const double(*)[3])cloud, 0.1, sizes), open));
+    assert_true(test_count(open) > 200);
+}
+
 static void without_foam_in_view_it_is_left_out(void **state)
 {
     static const double behind[1][3] = {{0, 0, 5}};
@@ -186,6 +197,7 @@ int main(void)
         TEST_TWINS(the_nearest_of_all_foam_is_kept),
         TEST_TWINS(foam_of_half_the_size_is_that_of_half_the_radius),
         TEST_TWINS(scene_hides_the_foam_behind_it),
+        TEST_TWINS(foam_exactly_at_the_scene_is_seen),
         TEST_TWINS(without_foam_in_view_it_is_left_out),
         TEST_TWINS(sizes_that_are_not_positive_draw_nothing),
         TEST_TWINS(foam_that_is_not_there_widens_nothing),

@@ -70,6 +70,27 @@ static void slope_is_taken_across_pixels_of_any_shape_at_any_distance(void **sta
     for (int i = 0; i < W * H; i++) assert_normal(leaning->data + 3 * i, i / W < 10 ? near : far, 100 * t->eps);
 }
 
+/* A pixel of half the resolution is twice as wide. */
+static void slope_is_taken_across_pixels_of_any_resolution(void **state)
+{
+    static const double c[1][3] = {{0, 0, -2.385}};
+    test_twin *t = test_twin_create(state, "noise_normals", 2 * W, 2 * H);
+    ssfr_field *normal = test_field(W, H, 3), *noise = test_field(W, H, 1);
+    double expected[3] = {-0.8 * radius * 1.7, 0.8 * radius * 0.9, 1};
+    ssfr_normalize(expected);
+    for (int i = 0; i < W * H; i++) {
+        const test_ray at = test_ray_at(t, i % W, i / W, 2);
+        normal->data[3 * i + 2] = 1, noise->data[i] = -z0 * (1.7 * at.u - 0.9 * at.v);
+    }
+    test_twin_place(t, 1, c, radius, NULL);
+    test_twin_set(t, "height", "0.8");
+    test_twin_give(t, "normal", normal);
+    test_twin_give(t, "depth", test_field_filled(W, H, 1, z0));
+    const ssfr_field *leaning = run(t, noise);
+    assert_int_equal(leaning->w, W);
+    for (int i = 0; i < W * H; i++) assert_normal(leaning->data + 3 * i, expected, 100 * t->eps);
+}
+
 /* Where there is no surface there is no noise: that is no slope. A patch of constant noise stays as it is to its rim,
  * and a ramp keeps its slope. */
 static void rim_of_the_fluid_is_no_slope(void **state)
@@ -148,6 +169,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST_TWINS(normals_lean_with_the_slope),
         TEST_TWINS(slope_is_taken_across_pixels_of_any_shape_at_any_distance),
+        TEST_TWINS(slope_is_taken_across_pixels_of_any_resolution),
         TEST_TWINS(rim_of_the_fluid_is_no_slope),
         TEST_TWINS(waves_of_height_0_are_the_identity_to_the_last_bit),
         TEST_TWINS(still_water_keeps_its_normals),

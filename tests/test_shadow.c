@@ -26,12 +26,12 @@ typedef struct sheet { /* z = z0 + sx x + sy y (m, eye space) */
 static const double ball_radius = 0.4;
 static ssfr_solid ball; /* of the test that runs */
 
-static ssfr_field *draw(const test_twin *t, const sheet *s)
+static ssfr_field *draw(const test_twin *t, const sheet *s, int divisor)
 {
-    ssfr_field *depth = test_field(W, H, 1);
-    for (int y = 0; y < H; y++)
-        for (int x = 0; x < W; x++)
-            *ssfr_field_at(depth, x, y) = test_plane(s->z0, s->sx, s->sy, test_ray_at(t, x, y, 1));
+    ssfr_field *depth = test_field(W / divisor, H / divisor, 1);
+    for (int y = 0; y < depth->h; y++)
+        for (int x = 0; x < depth->w; x++)
+            *ssfr_field_at(depth, x, y) = test_plane(s->z0, s->sx, s->sy, test_ray_at(t, x, y, divisor));
     return depth;
 }
 
@@ -62,7 +62,7 @@ static ssfr_field *begin_ball(test_twin *t, const test_light *l, double away, sh
     for (int k = 0; k < 3; k++) centre[k] = away * to[k] + (k == 2 ? s->z0 : 0);
     place_ball(t, centre);
     test_twin_light(t, l);
-    ssfr_field *depth = draw(t, s);
+    ssfr_field *depth = draw(t, s, 1);
     test_twin_give(t, "surface_depth", depth);
     return depth;
 }
@@ -70,7 +70,7 @@ static ssfr_field *begin_ball(test_twin *t, const test_light *l, double away, sh
 /* How far the pixel's place is inside the ball's shadow, m, across the light; negative outside. */
 static double inside(const test_twin *t, const ssfr_field *depth, const test_light *l, int x, int y)
 {
-    const test_ray ray = test_ray_at(t, x, y, 1);
+    const test_ray ray = test_ray_at(t, x, y, W / depth->w);
     const double z = *ssfr_field_at(depth, x, y), p[3] = {-ray.u * z, -ray.v * z, z};
     double to[3], d[3];
     test_light_towards(l, to);
@@ -172,6 +172,28 @@ static void a_million_metres_away_shadows_are_the_same(void **state)
     }
 }
 
+static void at_half_resolution_shadows_are_where_they_were(void **state)
+{
+    for (int kind = 0; kind < 3; kind++) {
+        test_twin *t = begin(state);
+        sheet s;
+        int n = 0;
+        begin_ball(t, &lights[0], 0.785, &s);
+        const ssfr_field *depth = draw(t, &s, 2);
+        test_twin_give(t, "surface_depth", depth);
+        test_twin_set(t, "shadow.kind", "%s", kinds[kind]);
+        const ssfr_field *light = test_twin_run(t, "light");
+        assert_true(light->w == W / 2 && light->h == H / 2);
+        for (int i = 0; i < light->w * light->h; i++) {
+            const double in = inside(t, depth, &lights[0], i % light->w, i / light->w);
+            if (fabs(in) < edge(t, kind)) continue;
+            assert_close(light->data[i], in < 0, kind == 1 ? 0.18 : 0, 0);
+            n += in > 0;
+        }
+        assert_true(n > 25);
+    }
+}
+
 static void what_stands_above_by_less_than_the_bias_casts_no_shadow(void **state)
 {
     const double at[1][3] = {{0, 0, -2.385}};
@@ -256,6 +278,26 @@ static void where_no_caster_is_all_light_arrives_to_the_bit(void **state)
     }
 }
 
+/* Images stand one below the other: at the border of the light's square (4 m, without casters) none reads the next. */
+static void the_series_is_the_same_to_the_border_of_its_square(void **state)
+{
+    const double expected = ssfr_clamp(0.5 * integrated(4, -0.615 * ssfr_shadow_span(3)), 0, 1);
+    test_twin *t = begin(state);
+    int n_beyond = 0;
+    test_twin_light(t, &lights[1]);
+    test_twin_set(t, "shadow.scale", "0.5");
+    test_twin_give(t, "surface_depth", test_field_filled(W, H, 1, -4.3)); /* beyond the range: at its end */
+    test_twin_give(t, "light_depth", test_field_filled(7, 7, 1, -0.385));
+    const ssfr_field *light = test_twin_run(t, "light");
+    for (int i = 0; i < W * H; i++) {
+        const test_ray ray = test_ray_at(t, i % W, i / W, 1);
+        const bool beyond = 4.3 * fmax(fabs(ray.u), fabs(ray.v)) > 2;
+        assert_close(light->data[i], beyond ? 1 : expected, t->gl ? 2e-4 : 1e-6, 0);
+        n_beyond += beyond;
+    }
+    assert_true(n_beyond > W && n_beyond < W * H / 2);
+}
+
 /* ---- where the fluid is ------------------------------------------------------------------------------------------ */
 
 /* Casters everywhere 1 m before the eye, and the light along the view: fluid before them is lit. */
@@ -266,6 +308,17 @@ static test_twin *begin_cover(void **state)
     test_twin_set(t, "shadow.kind", "map");
     test_twin_give(t, "light_depth", test_field_filled(1, 1, 1, -1));
     return t;
+}
+
+static void fluid_at_the_very_depth_of_the_caster_is_lit(void **state)
+{
+    static const double depths[] = {-0.999, -1, -1.001};
+    for (size_t i = 0; i < SSFR_COUNT(depths); i++) {
+        test_twin *t = begin_cover(state);
+        test_twin_give(t, "surface_depth", test_field_filled(W, H, 1, depths[i]));
+        const ssfr_field *light = test_twin_run(t, "light");
+        for (int k = 0; k < W * H; k++) assert_true(light->data[k] == (i < 2));
+    }
 }
 
 static void the_depth_is_the_mean_of_those_around_it(void **state)
@@ -283,6 +336,23 @@ static void the_depth_is_the_mean_of_those_around_it(void **state)
                 const bool row = abs(y - 20) <= 1;
                 const bool mean = row && x >= 20 && x <= 22, alone = x == 21 && y == 20; /* at 19 there is 0.9 alone */
                 assert_true(*ssfr_field_at(light, x, y) == (average ? !mean : !alone));
+            }
+    }
+}
+
+static void the_depth_of_foam_is_a_mean_too(void **state)
+{
+    for (int average = 0; average < 2; average++) {
+        test_twin *t = begin_cover(state);
+        ssfr_field *foam = test_field_filled(W, H, 1, -SSFR_EMPTY);
+        *ssfr_field_at(foam, 20, 20) = -1.3;
+        test_twin_set(t, "shadow.average", average ? "3x3" : "none");
+        test_twin_give(t, "foam_depth", foam);
+        const ssfr_field *light = test_twin_run(t, "light");
+        for (int y = 0; y < H; y++)
+            for (int x = 0; x < W; x++) {
+                const int away = ssfr_max_int(abs(x - 20), abs(y - 20));
+                assert_true(*ssfr_field_at(light, x, y) == (away > average));
             }
     }
 }
@@ -385,6 +455,27 @@ static void only_the_maps_of_a_kind_are_made(void **state)
     }
 }
 
+/* Depths of water and foam; a texel of the map; four of each of the basis' images, of which four terms have three. */
+static void taps_are_those_of_its_kind(void **state)
+{
+    static const struct {
+        const char *average, *foam;
+        double depths;
+    } ways[] = {{"none", "off", 1}, {"none", "front", 2}, {"3x3", "off", 9}, {"3x3", "without_water", 18}};
+    static const double more[] = {1, 12, 0};
+    for (int kind = 0; kind < 3; kind++)
+        for (size_t i = 0; i < SSFR_COUNT(ways); i++) {
+            test_twin *t = begin(state);
+            sheet s;
+            begin_ball(t, &lights[0], 0.785, &s);
+            test_twin_set(t, "shadow.kind", "%s", kinds[kind]);
+            test_twin_set(t, "shadow.average", "%s", ways[i].average);
+            test_twin_set(t, "shadow.foam", "%s", ways[i].foam);
+            assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
+            assert_true(ssfr_graph_report(t->graph)->nodes[2].taps == ways[i].depths + more[kind]);
+        }
+}
+
 static void without_casters_nothing_is_done(void **state)
 {
     for (int kind = 0; kind < 3; kind++) {
@@ -480,17 +571,22 @@ int main(void)
         TEST_TWINS(a_soft_shadow_is_as_large_as_a_sharp_one),
         TEST_TWINS(behind_the_fluid_a_ball_casts_no_shadow),
         TEST_TWINS(a_million_metres_away_shadows_are_the_same),
+        TEST_TWINS(at_half_resolution_shadows_are_where_they_were),
         TEST_TWINS(what_stands_above_by_less_than_the_bias_casts_no_shadow),
         TEST_TWINS(light_below_a_caster_is_the_series),
         TEST_TWINS(more_terms_make_a_sharper_step),
         TEST_TWINS(where_no_caster_is_all_light_arrives_to_the_bit),
+        TEST_TWINS(the_series_is_the_same_to_the_border_of_its_square),
+        TEST_TWINS(fluid_at_the_very_depth_of_the_caster_is_lit),
         TEST_TWINS(the_depth_is_the_mean_of_those_around_it),
+        TEST_TWINS(the_depth_of_foam_is_a_mean_too),
         TEST_TWINS(foam_says_where_the_fluid_is_without_water_or_before_it),
         TEST_TWINS(a_pixel_of_water_behind_foam_cuts_no_hole_into_its_light),
         TEST_TWINS(without_water_and_foam_all_light_arrives),
         TEST_TWINS(depths_that_are_no_numbers_do_not_count),
         TEST_TWINS(however_far_the_fluid_is_its_light_is_a_share),
         TEST_TWINS(only_the_maps_of_a_kind_are_made),
+        TEST_TWINS(taps_are_those_of_its_kind),
         TEST_TWINS(without_casters_nothing_is_done),
         TEST_TWINS(without_its_maps_nothing_is_in_shadow),
         TEST_TWINS(a_plane_before_the_light_takes_all_of_it),

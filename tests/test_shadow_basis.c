@@ -60,6 +60,15 @@ static void every_value_is_a_cosine_or_sine_of_the_depth(void **state)
     }
 }
 
+/* At 1 - 1/(2 M), M being the most terms that the images hold. */
+static void depths_end_before_the_series_turns_back(void **state)
+{
+    (void)state;
+    for (int terms = 1; terms <= 16; terms *= 2)
+        assert_close(ssfr_shadow_span(ssfr_shadow_images(terms)), 1 - 0.5 / terms, 1e-15, 0);
+    for (int terms = 1; terms <= 16; terms++) assert_true(ssfr_shadow_span(ssfr_shadow_images(terms)) <= 1 - 0.5 / terms);
+}
+
 static void depths_beyond_the_range_count_as_its_ends(void **state)
 {
     ssfr_field *map = test_field(5, 1, 1);
@@ -148,6 +157,24 @@ static void the_filter_is_the_mean_of_the_box(void **state)
 
 /* ---- what it is run for ------------------------------------------------------------------------------------------ */
 
+/* Once to write, and twice to read 2 radius + 1 and write four channels. */
+static void taps_and_bytes_are_those_of_its_sweeps(void **state)
+{
+    const ssfr_field *map = ramp_map(6, 6);
+    test_twin *t = test_twin_create(state, "shadow_basis", 8, 6);
+    double bytes[2];
+    test_twin_give(t, "light_depth", map);
+    for (int filtered = 0; filtered < 2; filtered++) {
+        test_twin_set(t, "radius", "%d", filtered ? 3 : 0);
+        test_twin_run(t, "basis");
+        const ssfr_node_report *node = &ssfr_graph_report(t->graph)->nodes[0];
+        assert_true(node->taps == (filtered ? 1 + 2 * 7 : 1));
+        if (filtered) assert_int_equal(node->iterations, 3);
+        bytes[filtered] = node->bytes;
+    }
+    assert_true(bytes[1] - bytes[0] == 2 * 2 * 4 * sizeof(float) * 6 * 6 * 3);
+}
+
 static void without_casters_there_is_nothing_to_filter(void **state)
 {
     test_twin *t = test_twin_create(state, "shadow_basis", 8, 6);
@@ -185,11 +212,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST_TWINS(every_value_is_a_cosine_or_sine_of_the_depth),
+        cmocka_unit_test(depths_end_before_the_series_turns_back),
         TEST_TWINS(depths_beyond_the_range_count_as_its_ends),
         TEST_TWINS(the_series_is_that_of_a_square_wave),
         TEST_TWINS(a_lone_caster_spreads_over_its_box),
         TEST_TWINS(what_is_the_same_everywhere_stays_so),
         TEST_TWINS(the_filter_is_the_mean_of_the_box),
+        TEST_TWINS(taps_and_bytes_are_those_of_its_sweeps),
         TEST_TWINS(without_casters_there_is_nothing_to_filter),
         TEST_TWINS(parameters_out_of_range_are_refused),
         TEST_TWINS(images_too_large_are_refused),

@@ -214,6 +214,32 @@ static void texels_stand_still_while_the_eye_moves(void **state)
     test_clean(NULL);
 }
 
+/* Of casters of all sizes: a cell to spare on all sides and towards the light, all fluid within the range, and not many
+ * times as large as they are. */
+static void the_square_holds_casters_and_fluid(void **state)
+{
+    enum { N = 200 };
+    static const double middle[3] = {0.1, -0.2, -3};
+    const light *l = &lights[4]; /* along the view: its axes are those of the eye, or their opposites */
+    (void)state;
+    test_twin *t = begin(&(void *){"cpu"}, l, 2.385);
+    for (int i = 0; i < N; i++) {
+        const double radius = 0.2 * pow(2.4, i / (N - 1.0)), eps = 1e-9;
+        solids[0].half[0] = radius;
+        const ssfr_light_view v = view_of(t, l);
+        const double cell = v.extent / 64, *axes[2] = {v.x, v.y};
+        for (int k = 0; k < 2; k++) {
+            const double at = ssfr_dot(axes[k], middle);
+            assert_true(v.corner[k] + cell <= at - radius + eps);
+            assert_true(v.corner[k] + v.extent - cell >= at + radius - eps);
+        }
+        assert_true(v.extent <= 2 * radius * 64 / 61 * exp2(0.25) + eps);
+        assert_close(v.top, solids[0].centre[2] + radius + cell, eps, 0);
+        assert_true(v.top - v.range <= -3.55 + eps && v.range <= (v.top + 3.7) * exp2(0.25));
+    }
+    test_clean(NULL);
+}
+
 /* ---- maps in the graph ------------------------------------------------------------------------------------------- */
 
 static void a_map_is_no_image_of_the_view(void **state)
@@ -247,6 +273,7 @@ int main(void)
         TEST_TWINS(a_plane_casts_shadows_only_with_the_light_behind_it),
         cmocka_unit_test(axes_are_orthonormal_whatever_the_light),
         cmocka_unit_test(texels_stand_still_while_the_eye_moves),
+        cmocka_unit_test(the_square_holds_casters_and_fluid),
         cmocka_unit_test(a_map_is_no_image_of_the_view),
         TEST_TWINS(sizes_out_of_range_are_refused),
     };

@@ -178,7 +178,49 @@ static void scene_water_and_foam_hide_spray_where_they_are_before_it(void **stat
         }
 }
 
+/* Where foam has the very depth of the spray's front it is not before it: that front, of the same particle as foam. */
+static void what_is_as_far_as_the_spray_does_not_hide_it(void **state)
+{
+    static const float across[1][3] = {{0, 3, 0.5f}};
+    static const char *const ports[] = {"scene_depth", "depth", "foam_depth"};
+    ssfr_field *picture;
+    test_twin *t = begin(state, &picture), *foam = test_twin_create(state, "foam_depth", W, H);
+    test_twin_set(t, "occlusion", "surface");
+    const ssfr_field *open = draw(t, 1, middle, across);
+    test_twin_place_moving(foam, 1, middle, radius, NULL, across);
+    const ssfr_field *front = test_twin_run(foam, "depth");
+    assert_true(n_changed(picture, open, true) + n_changed(picture, open, false) == test_count(front));
+    for (size_t i = 0; i < SSFR_COUNT(ports); i++) {
+        test_twin_give(t, ports[i], front);
+        assert_true(test_same_bits(draw(t, 1, middle, across), open));
+    }
+}
+
 /* ---- what is left alone ------------------------------------------------------------------------------------------ */
+
+/* Water and foam that do not hide spray are not drawn for it. All particles here are spray: there are none of them. */
+static void depths_are_made_only_where_they_hide(void **state)
+{
+    static const ssfr_pipeline alone = {
+        .name = "alone", .source = "test", .help = "test", .result = SSFR_SLOT_color,
+        .nodes = {{"sparse"}, {"sphere_depth"}, {"foam_depth"},
+                  {"spray", .ports = {{"depth", SSFR_SLOT_fluid_depth}}}}};
+    float *density;
+    test_twin *t = test_twin_create_for(state, &alone, W, H);
+    test_twin_place(t, 1, middle, radius, NULL);
+    assert_int_equal(ssfr_alloc(&density, 1, sizeof *density, "densities"), SSFR_OK);
+    density[0] = 1; /* kg/m^3 */
+    ((ssfr_particles *)t->scene.particles)->density = density; /* which the test made */
+    ssfr_graph_want_all(t->graph, false);
+    for (int by_surface = 0; by_surface < 2; by_surface++) {
+        test_twin_set(t, "spray.occlusion", "%s", by_surface ? "surface" : "scene");
+        assert_int_equal(ssfr_graph_run(t->graph, &t->scene, NULL), SSFR_OK);
+        const ssfr_node_report *nodes = ssfr_graph_report(t->graph)->nodes;
+        for (int i = 1; i < 3; i++)
+            assert_int_equal(nodes[i].status, by_surface ? SSFR_NEEDLESS : SSFR_UNWANTED);
+        assert_int_equal(nodes[3].status, SSFR_RAN);
+    }
+}
 
 static void where_there_is_no_spray_no_bit_changes(void **state)
 {
@@ -290,6 +332,8 @@ int main(void)
         TEST_TWINS(spray_that_moves_adds_up_whatever_is_before),
         TEST_TWINS(motion_draws_spray_out_and_its_light_with_it),
         TEST_TWINS(scene_water_and_foam_hide_spray_where_they_are_before_it),
+        TEST_TWINS(what_is_as_far_as_the_spray_does_not_hide_it),
+        TEST_TWINS(depths_are_made_only_where_they_hide),
         TEST_TWINS(where_there_is_no_spray_no_bit_changes),
         TEST_TWINS(without_spray_the_picture_is_the_one_before),
         TEST_TWINS(what_is_left_out_changes_no_bit),

@@ -262,6 +262,9 @@ static void particles_that_move_along_the_ray_are_not_turned(void **state)
         test_twin_set(t, "facing", "%g", limit);
         assert_int_equal(is_turned(t, places[1], v), cosine < limit);
     }
+    test_twin_set(t, "facing", "0"); /* as far as it, not only less */
+    assert_true(is_turned(t, places[0], (const float[3]){2, 0, 0}));
+    assert_false(is_turned(t, places[0], (const float[3]){2, 0, 1e-3f}));
 }
 
 static void particles_without_velocity_are_not_turned(void **state)
