@@ -13,7 +13,6 @@
 ssfr_result ssfr_cache_find(char **out, const char *given, const char *kind)
 {
     enum { MAX_LENGTH = 1023 }; /* bytes: names of files follow */
-    ssfr_result result = SSFR_OK;
     const char *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
     char text[MAX_LENGTH + 1];
     int length;
@@ -29,9 +28,7 @@ ssfr_result ssfr_cache_find(char **out, const char *given, const char *kind)
     if (length < 1 || length > MAX_LENGTH)
         return ssfr_fail(SSFR_ERR_VALUE, "the folder for %s has a name of %d bytes: expected 1 to %d", kind, length,
                          MAX_LENGTH);
-    result = ssfr_alloc(out, (size_t)length + 1, 1, "a path");
-    if (result == SSFR_OK) strcpy(*out, text);
-    return result;
+    return ssfr_text_print(out, "a path", "%s", text);
 }
 
 ssfr_result ssfr_cache_make_folders(const char *path)

@@ -132,13 +132,9 @@ static ssfr_result check_announced(const requirement *list, int n)
 
 static ssfr_result channels_of(const char *path, char **out)
 {
-    ssfr_result result = SSFR_OK;
     *out = NULL;
     if (ssfr_output_kind_of(path) != SSFR_OUTPUT_PNG) return ssfr_exr_channels(path, out);
-    SSFR_TRY(ssfr_alloc(out, sizeof "R,G,B", 1, "channel names"));
-    strcpy(*out, "R,G,B");
-end:
-    return result;
+    return ssfr_text_print(out, "channel names", "R,G,B");
 }
 
 static group group_of(const char *channels)

@@ -76,10 +76,7 @@ end:
 
 static ssfr_result name_item(item *it)
 {
-    const size_t size = strlen(it->paper->name) + strlen(it->item) + 2;
-    const ssfr_result result = ssfr_alloc(&it->name, size, 1, "a name");
-    if (result == SSFR_OK) snprintf(it->name, size, "%s/%s", it->paper->name, it->item);
-    return result;
+    return ssfr_text_print(&it->name, "a name", "%s/%s", it->paper->name, it->item);
 }
 
 static ssfr_result read_sweep(const reproduction *r, item *it, const char *path, const char *text, size_t size)

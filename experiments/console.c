@@ -85,17 +85,12 @@ static ssfr_result grow(ssfr_table *table)
 ssfr_result ssfr_table_add(ssfr_table *table, const char *format, ...)
 {
     ssfr_result result = SSFR_OK;
-    char *cell = NULL;
     va_list args;
-    va_start(args, format);
-    const int length = vsnprintf(NULL, 0, format, args);
-    va_end(args);
     if (table->n_cells == table->capacity) SSFR_TRY(grow(table));
-    SSFR_TRY(ssfr_alloc(&cell, (size_t)length + 1, 1, "a table's cell"));
     va_start(args, format);
-    vsnprintf(cell, (size_t)length + 1, format, args);
+    result = ssfr_text_print_va(&table->cells[table->n_cells], "a table's cell", format, args);
     va_end(args);
-    table->cells[table->n_cells++] = cell;
+    if (result == SSFR_OK) table->n_cells++;
 end:
     return result;
 }

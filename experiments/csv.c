@@ -343,12 +343,10 @@ ssfr_result ssfr_csv_create(ssfr_csv **out, const char *path, int n_columns, con
     ssfr_result result = SSFR_OK;
     ssfr_csv *csv = NULL;
     bool empty = true;
-    const char *name = path ? path : "standard output";
     *out = NULL;
     SSFR_TRY(ssfr_alloc(&csv, 1, sizeof *csv, "a table"));
     *csv = (ssfr_csv){.fd = -1, .n_columns = n_columns, .n_keys = n_keys};
-    SSFR_TRY(ssfr_alloc(&csv->path, strlen(name) + 1, 1, "a path"));
-    strcpy(csv->path, name);
+    SSFR_TRY(ssfr_text_print(&csv->path, "a path", "%s", path ? path : "standard output"));
     if (path)
         SSFR_TRY(open_file(csv));
     else

@@ -239,11 +239,9 @@ static void put_spec(ssfr_json *json, const ssfr_sweep_spec *spec)
 
 ssfr_result ssfr_meta_path(char **out, const char *table, const char *ending)
 {
-    const size_t length = strlen(table), size = length + strlen(ending) + 1;
+    const size_t length = strlen(table);
     const size_t stem = length > 4 && strcmp(table + length - 4, ".csv") == 0 ? length - 4 : length;
-    const ssfr_result result = ssfr_alloc(out, size, 1, "a path");
-    if (result == SSFR_OK) snprintf(*out, size, "%.*s%s", (int)stem, table, ending);
-    return result;
+    return ssfr_text_print(out, "a path", "%.*s%s", (int)stem, table, ending);
 }
 
 static ssfr_result write_file(FILE *file, const char *path, const ssfr_meta *meta)

@@ -29,9 +29,7 @@ static const char folder[] = "experiments", ending[] = ".yaml", claims[] = "clai
 
 static ssfr_result copy(char **out, const char *text, size_t length)
 {
-    const ssfr_result result = ssfr_alloc(out, length + 1, 1, "a name");
-    if (result == SSFR_OK) memcpy(*out, text, length);
-    return result;
+    return ssfr_text_print(out, "a name", "%.*s", (int)length, text);
 }
 
 /* An item, unless the file is the claims or no sweep. */

@@ -8,8 +8,7 @@
 static ssfr_result copy_text(const char **out, const char *text)
 {
     char *copy = NULL;
-    const ssfr_result result = ssfr_alloc(&copy, strlen(text) + 1, 1, "a record");
-    if (result == SSFR_OK) strcpy(copy, text);
+    const ssfr_result result = ssfr_text_print(&copy, "a record", "%s", text);
     *out = copy;
     return result;
 }

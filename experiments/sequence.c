@@ -46,7 +46,6 @@ ssfr_result ssfr_sequence_check(const char *pattern)
 ssfr_result ssfr_sequence_path(const char *pattern, long frame, char **out)
 {
     ssfr_result result = SSFR_OK;
-    const size_t size = strlen(pattern) + MAX_DIGITS + 1;
     parts p;
     *out = NULL;
     SSFR_TRY(take_apart(pattern, &p));
@@ -55,8 +54,7 @@ ssfr_result ssfr_sequence_path(const char *pattern, long frame, char **out)
                            SSFR_MAX_FRAME);
         goto end;
     }
-    SSFR_TRY(ssfr_alloc(out, size, 1, "a path"));
-    snprintf(*out, size, "%.*s%0*ld%s", (int)p.before, pattern, p.width, frame, p.after);
+    SSFR_TRY(ssfr_text_print(out, "a path", "%.*s%0*ld%s", (int)p.before, pattern, p.width, frame, p.after));
 end:
     return result;
 }
@@ -106,8 +104,7 @@ static ssfr_result open_folder(const char *pattern, const parts *p, DIR **out)
 {
     ssfr_result result = SSFR_OK;
     char *path = NULL;
-    SSFR_TRY(ssfr_alloc(&path, p->folder + 2, 1, "a path"));
-    snprintf(path, p->folder + 2, "%.*s", p->folder ? (int)p->folder : 1, p->folder ? pattern : ".");
+    SSFR_TRY(ssfr_text_print(&path, "a path", "%.*s", p->folder ? (int)p->folder : 1, p->folder ? pattern : "."));
     *out = opendir(path);
     if (!*out) result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
 end:

@@ -73,8 +73,7 @@ ssfr_result ssfr_stage_open(ssfr_stage **out, const char *scene, const ssfr_stag
     ssfr_stage *stage = NULL;
     *out = NULL;
     SSFR_TRY(ssfr_alloc(&stage, 1, sizeof *stage, "a stage"));
-    SSFR_TRY(ssfr_alloc(&stage->name, strlen(scene) + 1, 1, "a name"));
-    strcpy(stage->name, scene);
+    SSFR_TRY(ssfr_text_print(&stage->name, "a name", "%s", scene));
     stage->frame = -1;
     stage->time = stage->simulation_ms = NAN;
     SSFR_TRY(ssfr_scene_find(scene, &stage->source));

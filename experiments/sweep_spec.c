@@ -11,9 +11,7 @@ static const char truth[] = "truth", truth_kind[] = "truth.kind";
 
 static ssfr_result copy_text(char **out, const char *text, size_t length)
 {
-    const ssfr_result result = ssfr_alloc(out, length + 1, 1, "a text");
-    if (result == SSFR_OK) memcpy(*out, text, length);
-    return result;
+    return ssfr_text_print(out, "a text", "%.*s", (int)length, text);
 }
 
 /* ---- axes -------------------------------------------------------------------------------------------------------- */

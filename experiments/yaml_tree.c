@@ -173,8 +173,7 @@ static ssfr_result add_anchor(builder *b, const yaml_char_t *name, const ssfr_ya
     if (!name) return SSFR_OK;
     if (b->n_anchors == MAX_ANCHORS)
         return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "more than %d anchors", MAX_ANCHORS);
-    SSFR_TRY(ssfr_alloc(&b->anchors[b->n_anchors].name, strlen((const char *)name) + 1, 1, "an anchor"));
-    strcpy(b->anchors[b->n_anchors].name, (const char *)name);
+    SSFR_TRY(ssfr_text_print(&b->anchors[b->n_anchors].name, "an anchor", "%s", (const char *)name));
     b->anchors[b->n_anchors++].node = node;
 end:
     return result;
@@ -267,10 +266,7 @@ static void resolve_aliases(ssfr_yaml *tree)
 
 ssfr_result ssfr_yaml_copy(char **out, const char *before, const char *text)
 {
-    const size_t size = strlen(before) + strlen(text) + 1;
-    const ssfr_result result = ssfr_alloc(out, size, 1, "a text");
-    if (result == SSFR_OK) snprintf(*out, size, "%s%s", before, text);
-    return result;
+    return ssfr_text_print(out, "a text", "%s%s", before, text);
 }
 
 static ssfr_result new_tree(ssfr_yaml **out, const char *path, const char *what)

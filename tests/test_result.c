@@ -145,6 +145,22 @@ static void more_memory_than_there_is_is_an_error(void **state)
     assert_null(memory);
 }
 
+static void a_text_is_as_long_as_what_is_printed(void **state)
+{
+    (void)state;
+    char *text = NULL;
+    assert_int_equal(ssfr_text_print(&text, "a text", "%s/%.*s_%04d%%", "folder", 2, "name", 23), SSFR_OK);
+    assert_string_equal(text, "folder/na_0023%");
+    free(text);
+    assert_int_equal(ssfr_text_print(&text, "a text", "%5000d", 7), SSFR_OK);
+    assert_int_equal(strlen(text), 5000);
+    assert_int_equal(text[4999], '7');
+    free(text);
+    assert_int_equal(ssfr_text_print(&text, "a text", "%s", ""), SSFR_OK);
+    assert_string_equal(text, "");
+    free(text);
+}
+
 static void numbers_are_finite_and_stand_alone(void **state)
 {
     (void)state;
@@ -287,6 +303,7 @@ int main(void)
         cmocka_unit_test(default_log_prints_errors_and_warnings_alone),
         cmocka_unit_test(memory_comes_zeroed_even_for_nothing),
         cmocka_unit_test(more_memory_than_there_is_is_an_error),
+        cmocka_unit_test(a_text_is_as_long_as_what_is_printed),
         cmocka_unit_test(numbers_are_finite_and_stand_alone),
         cmocka_unit_test(clock_runs_forwards),
         cmocka_unit_test(a_file_is_read_whole),

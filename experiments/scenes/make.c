@@ -61,11 +61,9 @@ ssfr_result ssfr_make_folder(const ssfr_description *description, const char *ca
     char *root = NULL, name[128];
     *out = NULL;
     SSFR_TRY(ssfr_cache_find(&root, cache, "scenes"));
-    const size_t size = strlen(root) + sizeof name + 64;
-    SSFR_TRY(ssfr_alloc(out, size, 1, "a path"));
     name_folder(description->name, name, sizeof name);
-    snprintf(*out, size, "%s/%s-%s-%016" PRIx64, root, name, ssfr_scale_words[description->scale],
-             ssfr_make_key(description, seed));
+    SSFR_TRY(ssfr_text_print(out, "a path", "%s/%s-%s-%016" PRIx64, root, name, ssfr_scale_words[description->scale],
+                             ssfr_make_key(description, seed)));
 end:
     free(root);
     return result;
@@ -73,10 +71,7 @@ end:
 
 static ssfr_result frame_path(const char *folder, const char *what, int frame, const char *ending, char **out)
 {
-    const size_t size = strlen(folder) + 40;
-    const ssfr_result result = ssfr_alloc(out, size, 1, "a path");
-    if (result == SSFR_OK) snprintf(*out, size, "%s/%s_%04d%s", folder, what, frame, ending);
-    return result;
+    return ssfr_text_print(out, "a path", "%s/%s_%04d%s", folder, what, frame, ending);
 }
 
 ssfr_result ssfr_make_path(const char *folder, int frame, bool foam, char **out)
@@ -132,10 +127,8 @@ typedef struct making {
 static ssfr_result lock(making *m)
 {
     ssfr_result result = SSFR_OK;
-    const size_t size = strlen(m->folder) + 8;
     char *path = NULL;
-    SSFR_TRY(ssfr_alloc(&path, size, 1, "a path"));
-    snprintf(path, size, "%s/lock", m->folder);
+    SSFR_TRY(ssfr_text_print(&path, "a path", "%s/lock", m->folder));
     SSFR_TRY(ssfr_cache_hold(path, m->folder, &m->lock));
 end:
     free(path);
@@ -190,10 +183,7 @@ static const char magic[8] = "ssfrsim";
 
 static ssfr_result state_path(const making *m, char **out)
 {
-    const size_t size = strlen(m->folder) + sizeof state_name + 1;
-    const ssfr_result result = ssfr_alloc(out, size, 1, "a path");
-    if (result == SSFR_OK) snprintf(*out, size, "%s/%s", m->folder, state_name);
-    return result;
+    return ssfr_text_print(out, "a path", "%s/%s", m->folder, state_name);
 }
 
 static ssfr_result write_bytes(const char *path, const state_head *head, const char *bytes)
@@ -320,11 +310,9 @@ static ssfr_result save_meta(const making *m)
 {
     ssfr_result result = SSFR_OK;
     ssfr_aside aside = {0};
-    const size_t size = strlen(m->folder) + 16;
     char *path = NULL;
     FILE *file = NULL;
-    SSFR_TRY(ssfr_alloc(&path, size, 1, "a path"));
-    snprintf(path, size, "%s/meta.json", m->folder);
+    SSFR_TRY(ssfr_text_print(&path, "a path", "%s/meta.json", m->folder));
     SSFR_TRY(ssfr_aside_begin(&aside, path));
     file = fopen(aside.temporary, "w");
     if (file) write_meta(m, file);

@@ -7,6 +7,7 @@
 
 #include <locale.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,6 +37,12 @@ void ssfr_log_about(const char *what);
 
 /* Zeroed memory for n items of `size` bytes; never returns NULL for n = 0. Logs when there is none. */
 SSFR_MUST ssfr_result ssfr_alloc(void *out, size_t n, size_t size, const char *what);
+
+/* A new text as printf has it; free it. what: it is called so where there is no memory for it. */
+__attribute__((format(printf, 3, 4))) SSFR_MUST ssfr_result ssfr_text_print(char **out, const char *what,
+                                                                            const char *format, ...);
+__attribute__((format(printf, 3, 0))) SSFR_MUST ssfr_result ssfr_text_print_va(char **out, const char *what,
+                                                                               const char *format, va_list args);
 
 /* Seconds since an arbitrary start, monotonic. */
 double ssfr_clock(void);

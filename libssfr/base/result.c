@@ -3,7 +3,6 @@
 #include "base/base.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -79,6 +78,26 @@ ssfr_result ssfr_alloc(void *out, size_t n, size_t size, const char *what)
     return memory ? SSFR_OK : ssfr_fail(SSFR_ERR_MEMORY, "no memory for %zu x %zu bytes of %s", n, size, what);
 }
 
+ssfr_result ssfr_text_print_va(char **out, const char *what, const char *format, va_list args)
+{
+    va_list again;
+    va_copy(again, args);
+    const size_t size = (size_t)vsnprintf(NULL, 0, format, again) + 1;
+    va_end(again);
+    const ssfr_result result = ssfr_alloc(out, size, 1, what);
+    if (result == SSFR_OK) vsnprintf(*out, size, format, args);
+    return result;
+}
+
+ssfr_result ssfr_text_print(char **out, const char *what, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    const ssfr_result result = ssfr_text_print_va(out, what, format, args);
+    va_end(args);
+    return result;
+}
+
 double ssfr_clock(void)
 {
     struct timespec now;
@@ -146,15 +165,12 @@ ssfr_result ssfr_aside_begin(ssfr_aside *aside, const char *path)
 {
     ssfr_result result = SSFR_OK;
     struct stat info;
-    const size_t length = strlen(path) + 32;
     *aside = (ssfr_aside){0};
     /* Renaming would put a file in the place of a device or a pipe. */
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
         return ssfr_fail(SSFR_ERR_IO, "%s: %s", path, S_ISDIR(info.st_mode) ? strerror(EISDIR) : "not a regular file");
-    SSFR_TRY(ssfr_alloc(&aside->path, length, 1, "a path"));
-    SSFR_TRY(ssfr_alloc(&aside->temporary, length, 1, "a path"));
-    snprintf(aside->path, length, "%s", path);
-    snprintf(aside->temporary, length, "%s.%ld.part", path, (long)getpid());
+    SSFR_TRY(ssfr_text_print(&aside->path, "a path", "%s", path));
+    SSFR_TRY(ssfr_text_print(&aside->temporary, "a path", "%s.%ld.part", path, (long)getpid()));
 end:
     return result;
 }

@@ -51,9 +51,7 @@ static ssfr_result load(char **out, const char *name, const char *place)
     }
     while (source->name && strcmp(source->name, name) != 0) source++;
     if (!source->name) return ssfr_fail(SSFR_ERR_UNKNOWN, "%s%s: no such shader", place, name);
-    const ssfr_result result = ssfr_alloc(out, strlen(source->text) + 1, 1, name);
-    if (result == SSFR_OK) memcpy(*out, source->text, strlen(source->text));
-    return result;
+    return ssfr_text_print(out, name, "%s", source->text);
 }
 
 /* True when the line is the preprocessor's `word`; what follows it is at *rest. */
@@ -271,11 +269,9 @@ static void entry_destroy(ssfr_gl_program *entry, bool current)
 static ssfr_result entry_create(ssfr_gl_program **out, const char *vert, const char *frag, const char *defines)
 {
     ssfr_result result = SSFR_OK;
-    const size_t size = strlen(vert) + strlen(frag) + strlen(defines) + 3;
     ssfr_gl_program *entry = NULL;
     SSFR_TRY(ssfr_alloc(&entry, 1, sizeof *entry, "a program"));
-    SSFR_TRY(ssfr_alloc(&entry->key, size, 1, "a program's key"));
-    snprintf(entry->key, size, "%s\n%s\n%s", vert, frag, defines);
+    SSFR_TRY(ssfr_text_print(&entry->key, "a program's key", "%s\n%s\n%s", vert, frag, defines));
     SSFR_TRY(build(&entry->name, vert, frag, defines));
     *out = entry;
     entry = NULL;

@@ -78,9 +78,8 @@ static ssfr_result names_init(names *list, const char *path, const char *text)
     size_t n = 1;
     *list = (names){0};
     for (const char *c = text; *c; c++) n += *c == ',' ? 1 : 0;
-    SSFR_TRY(ssfr_alloc(&list->text, strlen(text) + 1, 1, "channel names"));
+    SSFR_TRY(ssfr_text_print(&list->text, "channel names", "%s", text));
     SSFR_TRY(ssfr_alloc(&list->at, n, sizeof *list->at, "channel names"));
-    memcpy(list->text, text, strlen(text));
     for (char *at = list->text; at; list->n++) {
         char *comma = strchr(at, ',');
         list->at[list->n] = at;

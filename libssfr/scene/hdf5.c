@@ -129,8 +129,7 @@ static ssfr_result check_vector(const map *m, int place, const char *text)
 static ssfr_result parse_map(map *m, const char *text)
 {
     ssfr_result result = SSFR_OK;
-    SSFR_TRY(ssfr_alloc(&m->text, strlen(text) + 1, 1, "a map"));
-    strcpy(m->text, text);
+    SSFR_TRY(ssfr_text_print(&m->text, "a map", "%s", text));
     for (char *entry = m->text; entry;) {
         char *const comma = strchr(entry, ',');
         if (comma) *comma = '\0';
@@ -403,8 +402,7 @@ static ssfr_result open_radius(const source *s, hid_t *dataset, hid_t *attribute
     const size_t length = slash ? (size_t)(slash - path) : 0;
     char *object = NULL;
     if (s->reading->map && (*dataset = H5Dopen2(s->group, path, H5P_DEFAULT)) > 0) return SSFR_OK;
-    SSFR_TRY(ssfr_alloc(&object, length + 2, 1, "a name"));
-    snprintf(object, length + 2, "%.*s", length ? (int)length : 1, length ? path : slash ? "/" : ".");
+    SSFR_TRY(ssfr_text_print(&object, "a name", "%.*s", length ? (int)length : 1, length ? path : slash ? "/" : "."));
     *attribute = H5Aopen_by_name(s->group, object, slash ? slash + 1 : path, H5P_DEFAULT, H5P_DEFAULT);
     if (*attribute < 0) result = refused(SSFR_ERR_FORMAT, s->reading->path, path);
 end:
