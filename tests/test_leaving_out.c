@@ -216,15 +216,19 @@ static void pictures_without_any_one_node_are_the_same_to_the_bit(void **state)
 }
 
 /* An image left out reads as one neutral pixel: the image that is not left out is neutral everywhere. */
-static void assert_same_image(const ssfr_field *without, const ssfr_field *with, const char *what)
+static void assert_same_image(const ssfr_graph *lean, const ssfr_graph *full, const char *slot, const char *what)
 {
+    ssfr_field *without = test_graph_read(lean, slot), *with = test_graph_read(full, slot);
     const size_t n = (size_t)with->w * (size_t)with->h * (size_t)with->c;
     if (without->w == 1 && without->h == 1) {
         for (size_t i = 0; i < n; i++)
-            if (with->data[i] != without->data[i % (size_t)with->c]) fail_msg("%s: %zu is %g", what, i, with->data[i]);
+            if (with->data[i] != without->data[i % (size_t)with->c])
+                fail_msg("%s of %s: %zu is %g", slot, what, i, with->data[i]);
     } else if (test_n_different(without, with)) {
-        fail_msg("%s differs", what);
+        fail_msg("%s of %s differs", slot, what);
     }
+    ssfr_field_destroy(&without);
+    ssfr_field_destroy(&with);
 }
 
 static void every_image_is_the_same_to_the_bit(void **state)
@@ -240,15 +244,8 @@ static void every_image_is_the_same_to_the_bit(void **state)
             ssfr_graph_want_all(lean, true);
             assert_int_equal(ssfr_graph_run(lean, &s.scene, NULL), SSFR_OK);
             assert_int_equal(ssfr_graph_run(full, &s.scene, &(ssfr_run_options){.keep_all = true}), SSFR_OK);
-            for (int i = 0; ssfr_graph_slot_at(lean, i); i++) {
-                char what[128];
-                snprintf(what, sizeof what, "%s of %s", ssfr_graph_slot_at(lean, i), scenes[k].name);
-                ssfr_field *a = test_graph_read(lean, ssfr_graph_slot_at(lean, i));
-                ssfr_field *b = test_graph_read(full, ssfr_graph_slot_at(full, i));
-                assert_same_image(a, b, what);
-                ssfr_field_destroy(&a);
-                ssfr_field_destroy(&b);
-            }
+            for (int i = 0; ssfr_graph_slot_at(lean, i); i++)
+                assert_same_image(lean, full, ssfr_graph_slot_at(lean, i), scenes[k].name);
             ssfr_graph_destroy(&lean);
             ssfr_graph_destroy(&full);
         }
@@ -275,10 +272,7 @@ static void culling_changes_no_picture_and_nothing_else(void **state)
             assert_int_equal(a->n_packets, b->n_packets);
             assert_true(a->n_packets_seen <= b->n_packets_seen && a->n_particles <= b->n_particles);
             for (int i = 0; i < a->n_nodes; i++) assert_int_equal(a->nodes[i].status, b->nodes[i].status);
-            ssfr_field *with = test_graph_read(culled, "color"), *without = test_graph_read(all, "color");
-            assert_same_image(with, without, ssfr_pipeline_name(ssfr_pipeline_at(p)));
-            ssfr_field_destroy(&with);
-            ssfr_field_destroy(&without);
+            assert_same_image(culled, all, "color", ssfr_pipeline_name(ssfr_pipeline_at(p)));
             ssfr_graph_destroy(&culled);
             ssfr_graph_destroy(&all);
         }
