@@ -5,12 +5,6 @@
 #include "graph/graph.h"
 #include "passes/adaptive_flow.h"
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The exact rate is the curvature times sqrt(C_x C_y) |z|, here for a dt of 1. */
 static ssfr_result measure_curvatures(const ssfr_run *run, const ssfr_field *depth, ssfr_flow_curvatures *out)
 {
@@ -28,7 +22,7 @@ static ssfr_result measure_curvatures(const ssfr_run *run, const ssfr_field *dep
             const double rate = ssfr_curvature_flow_rate(&exact, depth, x, y, 0);
             out->values[out->n++] = fabs(rate / (sqrt(c.c[0] * c.c[1]) * z));
         }
-    qsort(out->values, out->n, sizeof *out->values, by_value);
+    qsort(out->values, out->n, sizeof *out->values, ssfr_by_value);
 end:
     return result;
 }

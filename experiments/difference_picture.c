@@ -26,12 +26,6 @@ static double cell_of(const drawing *d, size_t i)
     return has_a && has_b ? (a - b) / d->unit : has_a ? ONLY_A : has_b ? ONLY_B : NAN;
 }
 
-static int by_value(const void *p, const void *q)
-{
-    const double a = *(const double *)p, b = *(const double *)q;
-    return (a > b) - (a < b);
-}
-
 /* The next of 1, 2, 5 times a power of ten. */
 static double round_up(double value)
 {
@@ -55,7 +49,7 @@ static ssfr_result survey(drawing *d)
         d->n_only_b += b_alone;
         if (!a_alone && !b_alone && isfinite(cell)) sizes[d->n_both++] = fabs(cell);
     }
-    qsort(sizes, d->n_both, sizeof *sizes, by_value);
+    qsort(sizes, d->n_both, sizeof *sizes, ssfr_by_value);
     const double most = d->n_both > 0 ? sizes[(d->n_both * 95 + 99) / 100 - 1] : 0;
     d->range = d->picture->range > 0 ? d->picture->range : most > 0 ? round_up(most) : 1;
     for (size_t i = 0; i < d->n_both; i++) d->n_beyond += sizes[i] > d->range;

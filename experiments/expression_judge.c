@@ -206,12 +206,6 @@ static void compact(judge *j, list *x, list *y)
     if (y) y->n = n;
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double mean_of(const list *l)
 {
     double sum = 0;
@@ -224,7 +218,7 @@ static bool summarise(judge *j, ssfr_rule_function function, list *l, list *out)
     compact(j, l, NULL);
     if (function == SSFR_RULE_count) return make_single(j, out, (double)l->n);
     if (l->n == 0) return stop(j, "no row has the number that is asked for");
-    qsort(l->values, l->n, sizeof *l->values, compare_numbers);
+    qsort(l->values, l->n, sizeof *l->values, ssfr_by_value);
     const double *v = l->values;
     const double median = (v[(l->n - 1) / 2] + v[l->n / 2]) / 2;
     const double value = function == SSFR_RULE_max    ? v[l->n - 1]
@@ -268,7 +262,7 @@ typedef struct point {
 
 static int compare_points(const void *a, const void *b)
 {
-    return compare_numbers(&((const point *)a)->x, &((const point *)b)->x);
+    return ssfr_by_value(&((const point *)a)->x, &((const point *)b)->x);
 }
 
 static bool follow(judge *j, const point *points, size_t n, list *out)

@@ -16,12 +16,6 @@ static const double left_out = 0.02; /* share of the pixels beyond each end of a
 /* As the floats that a GPU stores. */
 static bool is_there(double value, double neutral) { return isfinite(value) && (float)value != (float)neutral; }
 
-static int by_value(const void *p, const void *q)
-{
-    const double a = *(const double *)p, b = *(const double *)q;
-    return (a > b) - (a < b);
-}
-
 /* lo = hi where all is the same; 0, 1 where there is nothing. */
 static ssfr_result find_range(const ssfr_field *field, double neutral, double *lo, double *hi)
 {
@@ -32,7 +26,7 @@ static ssfr_result find_range(const ssfr_field *field, double neutral, double *l
     SSFR_TRY(ssfr_alloc(&values, n, sizeof *values, "values of a slot"));
     for (size_t i = 0; i < n; i++)
         if (is_there(field->data[i], neutral)) values[there++] = field->data[i];
-    qsort(values, there, sizeof *values, by_value);
+    qsort(values, there, sizeof *values, ssfr_by_value);
     const size_t beyond = (size_t)(left_out * (double)there);
     if (isnan(*lo)) *lo = there ? values[beyond] : 0;
     if (isnan(*hi)) *hi = there ? values[there - 1 - beyond] : 1;

@@ -45,19 +45,13 @@ void ssfr_visit_depth_edge(const ssfr_pair *pair, int x, int y, ssfr_tally *tall
     if (!is_interior(pair, x, y)) ssfr_visit_depth(pair, x, y, tally);
 }
 
-static int by_value(const void *p, const void *q)
-{
-    const double a = *(const double *)p, b = *(const double *)q;
-    return (a > b) - (a < b);
-}
-
 /* The middle one of n values, which it sorts; NaN when there is none, or one of them is NaN. */
 static double find_median(double *values, size_t n)
 {
     bool nan = n == 0;
     for (size_t i = 0; i < n; i++) nan |= isnan(values[i]);
     if (nan) return (double)NAN;
-    qsort(values, n, sizeof *values, by_value);
+    qsort(values, n, sizeof *values, ssfr_by_value);
     return ssfr_mix(values[(n - 1) / 2], values[n / 2], 0.5);
 }
 
