@@ -84,6 +84,7 @@ static inline double ssfr_clamp(double v, double lo, double hi) { return v < lo 
 static inline double ssfr_mix(double a, double b, double t) { return a + (b - a) * t; }
 static inline double ssfr_square(double v) { return v * v; }
 static inline double ssfr_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline bool ssfr_all_finite(const double v[3]) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
 
 /* The finaliser of SplitMix64 (Steele, Lea and Flood 2014): every bit of the result depends on every bit of v. Random
  * numbers made of a seed and of whom they are for depend on no order. */

@@ -456,11 +456,6 @@ end:
     return result;
 }
 
-static bool all_finite(const double v[3])
-{
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
-
 static ssfr_result check_camera(const ssfr_camera *c)
 {
     if (c->w < 1 || c->h < 1 || c->w > SSFR_MAX_SIZE || c->h > SSFR_MAX_SIZE)
@@ -469,7 +464,7 @@ static ssfr_result check_camera(const ssfr_camera *c)
         return ssfr_fail(SSFR_ERR_VALUE, "camera: half widths at unit distance are %g and %g", c->tan_x, c->tan_y);
     if (!(c->near > 0 && c->near < c->far))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: near %g and far %g; 0 < near < far is needed", c->near, c->far);
-    if (!all_finite(c->eye))
+    if (!ssfr_all_finite(c->eye))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: eye %g,%g,%g is not finite", c->eye[0], c->eye[1], c->eye[2]);
     if (!ssfr_axes_are_orthonormal(c->right, c->up, c->back))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: right, up and back are not orthonormal");

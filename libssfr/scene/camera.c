@@ -2,11 +2,6 @@
 /* camera.c: a camera from where it stands and what it looks at. */
 #include "base/base.h"
 
-static bool all_finite(const double v[3])
-{
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
-
 /* Normalises v, however long or short it is; false for a zero vector. */
 static bool find_direction(double v[3])
 {
@@ -26,7 +21,7 @@ ssfr_result ssfr_camera_look(ssfr_camera *out, const double eye[3], const double
         return ssfr_fail(SSFR_ERR_VALUE, "field of view of %g rad is not in (0, pi)", fov_y);
     if (w < 1 || h < 1 || w > SSFR_MAX_SIZE || h > SSFR_MAX_SIZE)
         return ssfr_fail(SSFR_ERR_VALUE, "image of %d x %d pixels: sides go from 1 to %d", w, h, SSFR_MAX_SIZE);
-    if (!all_finite(eye) || !all_finite(target) || !all_finite(up))
+    if (!ssfr_all_finite(eye) || !ssfr_all_finite(target) || !ssfr_all_finite(up))
         return ssfr_fail(SSFR_ERR_VALUE, "camera: eye, target and up must be finite");
     for (int k = 0; k < 3; k++) c.eye[k] = eye[k], c.back[k] = 0.5 * eye[k] - 0.5 * target[k];
     if (!find_direction(c.back))

@@ -6,11 +6,6 @@
 
 /* ---- checking ---------------------------------------------------------------------------------------------------- */
 
-static bool all_finite(const double v[3])
-{
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
-
 bool ssfr_axes_are_orthonormal(const double x[3], const double y[3], const double z[3])
 {
     const double *axes[3] = {x, y, z};
@@ -53,7 +48,7 @@ ssfr_result ssfr_solid_check(const ssfr_solid *s, const char *what)
     if ((unsigned)s->shape > SSFR_MESH)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: shape %d: expected 0 to %d", what, (int)s->shape, SSFR_MESH);
     if (s->shape == SSFR_MESH && !s->mesh) return ssfr_fail(SSFR_ERR_VALUE, "%s: no mesh is given", what);
-    if (!all_finite(s->centre) || !all_finite(s->colour))
+    if (!ssfr_all_finite(s->centre) || !ssfr_all_finite(s->colour))
         return ssfr_fail(SSFR_ERR_VALUE, "%s: centre and colour must be finite", what);
     if (!ssfr_axes_are_orthonormal(s->axis[0], s->axis[1], s->axis[2]) ||
         !are_right_handed((const double(*)[3])s->axis))
