@@ -45,15 +45,6 @@ static ssfr_description *parse(const char *text)
 
 /* ---- folders of frames ------------------------------------------------------------------------------------------- */
 
-/* A folder for frames that is not there yet. */
-static const char *new_cache(void)
-{
-    static int n;
-    char name[32];
-    snprintf(name, sizeof name, "cache%d", n++);
-    return test_path(name);
-}
-
 static void remove_all(const char *path)
 {
     DIR *dir = opendir(path);
@@ -120,7 +111,7 @@ static const char *reference_cache(const ssfr_description *d)
 {
     static const char *cache;
     if (!cache) {
-        cache = new_cache();
+        cache = test_new_path("cache");
         assert_int_equal(make(d, cache, -1), SSFR_OK);
     }
     return cache;
@@ -208,7 +199,7 @@ static void frames_have_the_same_bits_for_any_number_of_threads(void **state)
     (void)state;
     const int before = omp_get_max_threads();
     ssfr_description *d = parse(everything);
-    const char *one = new_cache();
+    const char *one = test_new_path("cache");
     omp_set_num_threads(2);
     snprintf(reference_folder, sizeof reference_folder, "%s", reference_cache(d));
     omp_set_num_threads(1);
@@ -224,7 +215,7 @@ static void frames_made_one_by_one_are_those_made_at_once(void **state)
 {
     (void)state;
     ssfr_description *d = parse(everything);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     char *folder = folder_of(d, cache, 1);
     for (int i = 0; i <= LAST; i++) {
         assert_int_equal(make(d, cache, i), SSFR_OK);
@@ -240,7 +231,7 @@ static void what_is_there_is_not_made_again(void **state)
 {
     (void)state;
     ssfr_description *d = parse(everything);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     char *folder = folder_of(d, cache, 1), *path = NULL;
     assert_int_equal(make(d, cache, 1), SSFR_OK);
     assert_int_equal(ssfr_make_path(folder, 1, false, &path), SSFR_OK);
@@ -262,7 +253,7 @@ static void a_frame_that_was_removed_is_made_again(void **state)
 {
     (void)state;
     ssfr_description *d = parse(everything);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     char *folder = folder_of(d, cache, 1), *path = NULL;
     assert_int_equal(make(d, cache, 3), SSFR_OK);
     assert_int_equal(ssfr_make_path(folder, 1, false, &path), SSFR_OK);
@@ -280,7 +271,7 @@ static void a_damaged_state_costs_time_and_nothing_else(void **state)
 {
     (void)state;
     ssfr_description *d = parse(everything);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     char *folder = folder_of(d, cache, 1), path[256], *bytes = NULL;
     size_t size;
     assert_int_equal(make(d, cache, 1), SSFR_OK);
@@ -313,7 +304,7 @@ static void each_frame_has_the_time_that_it_took(void **state)
 {
     (void)state;
     ssfr_description *d = parse(everything);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     char *folder = folder_of(d, cache, 1), path[512];
     assert_int_equal(make(d, cache, 1), SSFR_OK);
     for (int i = 0; i < 2; i++) assert_true(ssfr_make_time(folder, i) > 0);
@@ -365,7 +356,7 @@ static void an_emitter_streams_at_the_density_of_rest(void **state)
     (void)state;
     const double speed = 2.385, spacing = 2 * 0.01 * cbrt(0.8), time = 0.1 - 0.02;
     ssfr_description *d = parse(jet);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     assert_int_equal(make(d, cache, -1), SSFR_OK);
     ssfr_particles *none = load(d, cache, 1, false), *fluid = load(d, cache, LAST, false);
     const double layer = floor(0.15 / spacing) * floor(0.1 / spacing); /* the lattice has whole places */
@@ -392,7 +383,7 @@ static void there_are_never_more_particles_than_allowed(void **state)
     memcpy(text, jet, sizeof text);
     memcpy(strstr(text, "20000"), "217  ", 5);
     ssfr_description *d = parse(text);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     assert_int_equal(make(d, cache, -1), SSFR_OK);
     ssfr_particles *fluid = load(d, cache, LAST, false);
     assert_int_equal(fluid->n, 217);
@@ -409,7 +400,7 @@ static void nothing_is_emitted_into_a_solid(void **state)
     char text[sizeof jet + sizeof board];
     snprintf(text, sizeof text, "%s%s", jet, board);
     ssfr_description *open = parse(jet), *half = parse(text);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     assert_int_equal(make(open, cache, -1), SSFR_OK);
     assert_int_equal(make(half, cache, -1), SSFR_OK);
     ssfr_particles *all = load(open, cache, LAST, false), *some = load(half, cache, LAST, false);
@@ -432,7 +423,7 @@ static void a_mouth_that_is_full_emits_nothing(void **state)
         "fluid: {tank: {lo: [0, 0, 0], hi: [0.4, 0.4, 0.4]}}\n"
         "emitters: {mouth: {centre: [0.2, 0.2, 0.2], direction: [0, 1, 0], radius: 0.05, speed: 0.05}}\n";
     ssfr_description *d = parse(full);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     assert_int_equal(make(d, cache, -1), SSFR_OK);
     ssfr_particles *first = load(d, cache, 0, false), *last = load(d, cache, LAST, false);
     assert_in_range(last->n, first->n, first->n + 12);
@@ -450,7 +441,7 @@ static void a_sink_leaves_nothing_in_it(void **state)
         "domain: {lo: [0, 0, 0], hi: [0.4, 0.4, 0.4]}\nfluid: {tank: {lo: [0, 0, 0], hi: [0.4, 0.3, 0.4]}}\n"
         "sinks: {all: {lo: [-1, -1, -1], hi: [0.2, 1, 1]}}\n";
     ssfr_description *d = parse(drained);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     assert_int_equal(make(d, cache, -1), SSFR_OK);
     ssfr_particles *first = load(d, cache, 0, false), *last = load(d, cache, LAST, false);
     assert_true(last->n < first->n / 2 + first->n / 10 && last->n > 0);
@@ -485,7 +476,7 @@ static void a_full_disk_leaves_the_frames_before(void **state)
 {
     (void)state;
     ssfr_description *d = parse(jet); /* its frames grow */
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     char *folder = folder_of(d, cache, 1);
     test_limit_file_size(20000);
     assert_fails(SSFR_ERR_IO, make(d, cache, -1), "b c.yaml, frame ");
@@ -515,7 +506,7 @@ static void what_blows_up_names_frame_and_particle_and_leaves_the_frames_before(
         "domain: {lo: [0, 0, 0], hi: [0.4, 0.4, 0.4]}\n"
         "fluid: {bullet: {lo: [0, 0, 0], hi: [0.002, 0.002, 0.002], velocity: [10000, 0, 0]}}\n";
     ssfr_description *d = parse(fast);
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     char *folder = folder_of(d, cache, 1);
     for (int i = 0; i < 2; i++) { /* once more from the state that was left */
         assert_fails(SSFR_ERR_VALUE, make(d, cache, -1), 
@@ -541,7 +532,7 @@ static void emitters_and_solids_that_are_too_fast_are_found_out(void **state)
         "solids: {board: {shape: box, centre: [0.2, 0.3, 0.2], size: [0.1, 0.1, 0.1], motion: hit}}\n"
         "fluid: {drop: {lo: [0, 0, 0], hi: [0.002, 0.002, 0.002]}}\n";
     const char *const texts[] = {gun, racket};
-    const char *cache = new_cache();
+    const char *cache = test_new_path("cache");
     for (size_t i = 0; i < SSFR_COUNT(texts); i++) {
         ssfr_description *d = parse(texts[i]);
         char *folder = folder_of(d, cache, 1);

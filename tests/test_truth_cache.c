@@ -29,15 +29,6 @@ static ssfr_stage *some_balls(void)
     return test_truth_stage(3, positions, 0.25, eye, target, W, H);
 }
 
-/* A folder that is not there yet, and the file that will be in it. */
-static const char *new_cache(void)
-{
-    static int n;
-    char name[32];
-    snprintf(name, sizeof name, "cache%d", n++);
-    return test_path(name);
-}
-
 static const char *file_of(const char *cache, const ssfr_stage *stage, const ssfr_truth_params *params,
                            const ssfr_truth_options *options)
 {
@@ -134,7 +125,7 @@ typedef struct fixture {
 
 static void begin(fixture *f)
 {
-    *f = (fixture){.stage = some_balls(), .params = test_truth_params(plain), .cache = new_cache()};
+    *f = (fixture){.stage = some_balls(), .params = test_truth_params(plain), .cache = test_new_path("cache")};
     f->options = (ssfr_truth_options){.every = 1, .cache = f->cache};
     f->truth = test_truth_cast(f->stage, &f->params);
     f->file = file_of(f->cache, f->stage, &f->params, &f->options);

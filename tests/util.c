@@ -84,6 +84,14 @@ const char *test_path(const char *name)
 }
 
 /* Over what is there: to empty a file first makes the disk wait, a thousand times over in a test of damaged ones. */
+const char *test_new_path(const char *name)
+{
+    static int n;
+    char numbered[32];
+    snprintf(numbered, sizeof numbered, "%s%d", name, n++);
+    return test_path(numbered);
+}
+
 void test_write_file(const char *path, const void *data, size_t size)
 {
     FILE *file = fopen(path, access(path, F_OK) == 0 ? "r+b" : "wb");

@@ -31,6 +31,8 @@ int test_n_errors(void);
 
 /* A path in a folder of this process' own, removed at exit. The string lives until exit. */
 const char *test_path(const char *name);
+/* One that has not been given before: the name and a number. */
+const char *test_new_path(const char *name);
 void test_write_file(const char *path, const void *data, size_t size);
 
 /* The folder that SSFR_DATA names, or skips the test. */
