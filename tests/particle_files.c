@@ -93,6 +93,19 @@ static void keep_told(void *user, ssfr_level level, const char *where, const cha
     if (level == SSFR_INFO || level == SSFR_WARNING) snprintf(told + used, sizeof told - used, "%s\n", text);
 }
 
+void save(const ssfr_particles *particles, const char *path)
+{
+    test_clear_log();
+    if (ssfr_particles_save(particles, path) != SSFR_OK) fail_msg("%s", test_last_error());
+}
+
+void check_refused(const char *path, ssfr_result code, const char *text)
+{
+    ssfr_particles *p = NULL;
+    assert_fails(code, ssfr_particles_load(&p, path, NULL), text);
+    assert_null(p);
+}
+
 ssfr_particles *load_and_listen(void **state, const char *path)
 {
     ssfr_particles *p = NULL;

@@ -30,6 +30,11 @@ ssfr_particles *load(const char *path);
 ssfr_particles *load_and_listen(void **state, const char *path);
 extern char told[512];
 
+/* Does not load what must not load. */
+void check_refused(const char *path, ssfr_result code, const char *text);
+/* Saves what must be saved. */
+void save(const ssfr_particles *particles, const char *path);
+
 /* Every start of the file gives particles or one error line; the whole file gives particles. */
 void check_truncations(const char *name, const void *data, size_t size);
 /* So does the file with a byte replaced, for many bytes and values. */

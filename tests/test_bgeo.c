@@ -99,9 +99,7 @@ static bytes gzipped(const bytes *b)
 
 static void assert_refused(const bytes *b, ssfr_result code, const char *text)
 {
-    ssfr_particles *p = NULL;
-    assert_fails(code, ssfr_particles_load(&p, particle_file("bad.bgeo", b->data, b->n), NULL), text);
-    assert_null(p);
+    check_refused(particle_file("bad.bgeo", b->data, b->n), code, text);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
@@ -356,12 +354,6 @@ static void assert_same(const ssfr_particles *a, const ssfr_particles *b)
         assert_int_equal(values != NULL, others != NULL);
         if (values) assert_memory_equal(values, others, a->n * k->count * SSFR_ARRAY_VALUE);
     }
-}
-
-static void save(const ssfr_particles *particles, const char *path)
-{
-    test_clear_log();
-    if (ssfr_particles_save(particles, path) != SSFR_OK) fail_msg("%s", test_last_error());
 }
 
 static void what_is_saved_is_loaded(void **state)

@@ -39,9 +39,7 @@ static void zero_particles_and_one_particle_are_files(void **state)
 
 static void assert_refused(bytes b, ssfr_result code, const char *text)
 {
-    ssfr_particles *p = NULL;
-    assert_fails(code, ssfr_particles_load(&p, particle_file("bad.pos", b.data, b.n), NULL), text);
-    assert_null(p);
+    check_refused(particle_file("bad.pos", b.data, b.n), code, text);
 }
 
 static void a_count_that_is_not_the_files_is_refused(void **state)

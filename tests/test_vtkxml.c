@@ -359,13 +359,6 @@ static void arrays_of_another_shape_are_skipped_with_a_warning(void **state)
 
 /* ---- what is refused --------------------------------------------------------------------------------------------- */
 
-static void assert_refused(const char *path, ssfr_result code, const char *text)
-{
-    ssfr_particles *p = NULL;
-    assert_fails(code, ssfr_particles_load(&p, path, NULL), text);
-    assert_null(p);
-}
-
 static void files_of_another_kind_are_refused_with_their_line(void **state)
 {
     (void)state;
@@ -410,7 +403,7 @@ static void files_of_another_kind_are_refused_with_their_line(void **state)
          SSFR_ERR_FORMAT},
     };
     for (size_t i = 0; i < SSFR_COUNT(cases); i++)
-        assert_refused(text_file("bad.vtp", cases[i].text), cases[i].code, cases[i].says);
+        check_refused(text_file("bad.vtp", cases[i].text), cases[i].code, cases[i].says);
 }
 
 #define ONE(attributes, values) "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" " attributes ">" values \
@@ -449,7 +442,7 @@ static void arrays_that_cannot_be_are_refused(void **state)
         {ONE("format=\"binary\"", "DAAAA=AAAAAAAAAAAAAAAA=="), "Points: expected 3 values: the data end"},
     };
     for (size_t i = 0; i < SSFR_COUNT(cases); i++)
-        assert_refused(xml(1, cases[i].text), SSFR_ERR_FORMAT, cases[i].says);
+        check_refused(xml(1, cases[i].text), SSFR_ERR_FORMAT, cases[i].says);
 }
 
 /* One particle whose deflated coordinates follow the header words given. */
@@ -493,10 +486,10 @@ static void deflated_blocks_that_do_not_fit_are_refused(void **state)
     };
     const uint32_t good[] = {1, 12, 0, 99}, last[] = {1, 4096, 12, 99};
     for (size_t i = 0; i < SSFR_COUNT(cases); i++)
-        assert_refused(deflated(cases[i].n, cases[i].words, false), SSFR_ERR_FORMAT, cases[i].says);
-    assert_refused(deflated(4, good, true), SSFR_ERR_FORMAT, "the deflated data are damaged");
-    assert_refused(deflated(4, good, false), SSFR_ERR_VALUE, "say the radius");
-    assert_refused(deflated(4, last, false), SSFR_ERR_VALUE, "say the radius");
+        check_refused(deflated(cases[i].n, cases[i].words, false), SSFR_ERR_FORMAT, cases[i].says);
+    check_refused(deflated(4, good, true), SSFR_ERR_FORMAT, "the deflated data are damaged");
+    check_refused(deflated(4, good, false), SSFR_ERR_VALUE, "say the radius");
+    check_refused(deflated(4, last, false), SSFR_ERR_VALUE, "say the radius");
 }
 
 /* Ninety thousand points of one short block are refused before there is memory for their values. */
@@ -509,8 +502,8 @@ static void values_that_no_deflated_data_make_are_refused(void **state)
                  "</Piece></PolyData><AppendedData encoding=\"raw\">_");
     const uint32_t words[] = {1, 1080000, 0, 4, 0};
     for (size_t i = 0; i < SSFR_COUNT(words); i++) put_number(&b, SSFR_UINT32, false, words[i]);
-    assert_refused(particle_file("bomb.vtp", b.data, b.n), SSFR_ERR_FORMAT,
-                   "Points: expected 270000 values: no deflated data make so many");
+    check_refused(particle_file("bomb.vtp", b.data, b.n), SSFR_ERR_FORMAT,
+                  "Points: expected 270000 values: no deflated data make so many");
 }
 
 static void a_file_cut_anywhere_or_damaged_never_harms(void **state)
