@@ -170,14 +170,6 @@ const ssfr_node_report *test_graph_node(const ssfr_graph *graph, const char *nod
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-ssfr_field *test_image(int w, int h, int c, double value)
-{
-    ssfr_field *field = NULL;
-    assert_int_equal(ssfr_field_create(&field, w, h, c), SSFR_OK);
-    ssfr_field_fill(field, value);
-    return field;
-}
-
 static size_t n_values(const ssfr_field *a, const ssfr_field *b)
 {
     assert_int_equal(a->w, b->w);

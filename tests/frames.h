@@ -44,8 +44,6 @@ ssfr_field *test_graph_read(const ssfr_graph *graph, const char *slot);
 ssfr_field *test_graph_picture(ssfr_graph *graph, const ssfr_scene *scene, const char *slot, bool keep_all);
 const ssfr_node_report *test_graph_node(const ssfr_graph *graph, const char *node);
 
-ssfr_field *test_image(int w, int h, int c, double value);
-
 /* Number of values whose bits differ; the sizes must not. */
 size_t test_n_different(const ssfr_field *a, const ssfr_field *b);
 /* dB for a peak of 1; infinite for equal fields, NaN when either holds a NaN. */

@@ -9,24 +9,16 @@
 #include <float.h>
 #include <omp.h>
 
-static ssfr_field *make(int w, int h, int c, double value)
-{
-    ssfr_field *field = NULL;
-    assert_int_equal(ssfr_field_create(&field, w, h, c), SSFR_OK);
-    ssfr_field_fill(field, value);
-    return field;
-}
-
 static ssfr_field *make_colour(int w, int h, const double rgb[3])
 {
-    ssfr_field *field = make(w, h, 3, 0);
+    ssfr_field *field = test_image(w, h, 3, 0);
     for (int i = 0; i < w * h * 3; i++) field->data[i] = rgb[i % 3];
     return field;
 }
 
 static ssfr_field *make_random(int w, int h, int c, uint64_t seed)
 {
-    ssfr_field *field = make(w, h, c, 0);
+    ssfr_field *field = test_image(w, h, c, 0);
     for (int i = 0; i < w * h * c; i++) field->data[i] = test_random(&seed, 0, 1);
     return field;
 }
@@ -391,8 +383,8 @@ static void constant_greys_differ_by_their_lightness(void **state)
     (void)state;
     static const double pairs[][2] = {{0, 1}, {0.5, 0.52385}, {0.2385, 0.01}, {0.9, 0.1}, {0.3, 0.3001}};
     for (size_t i = 0; i < SSFR_COUNT(pairs); i++) {
-        ssfr_field *a = make(15, 12, 3, pairs[i][0]), *b = make(15, 12, 3, pairs[i][1]);
-        ssfr_field *grey_a = make(15, 12, 1, pairs[i][0]), *grey_b = make(15, 12, 1, pairs[i][1]);
+        ssfr_field *a = test_image(15, 12, 3, pairs[i][0]), *b = test_image(15, 12, 3, pairs[i][1]);
+        ssfr_field *grey_a = test_image(15, 12, 1, pairs[i][0]), *grey_b = test_image(15, 12, 1, pairs[i][1]);
         const double from = pairs[i][0] > 0 ? lightness(pairs[i][0]) : 0;
         const double flip = measure("flip", a, b);
         assert_close(flip, of_greys(fabs(lightness(pairs[i][1]) - from)), 0, 3e-6);
@@ -438,7 +430,7 @@ static void images_may_be_exchanged_and_turned(void **state)
 {
     (void)state;
     ssfr_field *a = make_random(21, 34, 3, 4), *b = make_random(21, 34, 3, 5);
-    ssfr_field *turned_a = make(34, 21, 3, 0), *turned_b = make(34, 21, 3, 0);
+    ssfr_field *turned_a = test_image(34, 21, 3, 0), *turned_b = test_image(34, 21, 3, 0);
     for (int y = 0; y < 34; y++)
         for (int x = 0; x < 21; x++)
             for (int k = 0; k < 3; k++) {
@@ -458,7 +450,7 @@ static void images_may_be_exchanged_and_turned(void **state)
 static void more_contrast_is_more_error(void **state)
 {
     (void)state;
-    ssfr_field *flat = make(40, 30, 3, 0.4), *a = make(40, 30, 3, 0);
+    ssfr_field *flat = test_image(40, 30, 3, 0.4), *a = test_image(40, 30, 3, 0);
     for (int i = 0; i < 2; i++) {
         double last = 0;
         for (double contrast = 0.01; contrast < 1; contrast *= 1.5) {
@@ -480,7 +472,7 @@ static void more_contrast_is_more_error(void **state)
 static void what_is_too_fine_is_not_seen(void **state)
 {
     (void)state;
-    ssfr_field *a = make(40, 40, 3, 0), *b = make(40, 40, 3, 0);
+    ssfr_field *a = test_image(40, 40, 3, 0), *b = test_image(40, 40, 3, 0);
     for (int y = 0; y < 40; y++)
         for (int x = 0; x < 40; x++)
             for (int k = 0; k < 3; k++) {
@@ -503,7 +495,7 @@ static void what_is_too_fine_is_not_seen(void **state)
 static void values_beyond_white_and_black_are_clamped(void **state)
 {
     (void)state;
-    ssfr_field *a = make_random(20, 20, 3, 6), *b = make_random(20, 20, 3, 7), *c = make(20, 20, 3, 0);
+    ssfr_field *a = make_random(20, 20, 3, 6), *b = make_random(20, 20, 3, 7), *c = test_image(20, 20, 3, 0);
     for (int i = 0; i < 20 * 20 * 3; i++) {
         c->data[i] = a->data[i];
         if (i % 5 == 0) a->data[i] = 1, c->data[i] = i % 2 ? 2.385 : (double)INFINITY;
@@ -563,7 +555,7 @@ static void threads_change_no_bit_of_a_map(void **state)
 static ssfr_field *make_exposed(void)
 {
     static const double values[] = {0.2385, 17.43, 0.01, 0.02, 0.3, 0.05, 2.5, 0, 0.7};
-    ssfr_field *b = make(3, 3, 1, 0);
+    ssfr_field *b = test_image(3, 3, 1, 0);
     memcpy(b->data, values, sizeof values);
     return b;
 }
@@ -615,9 +607,9 @@ static void each_exposure_is_flip_of_tone_mapped_images(void **state)
     a->data[0] = 1e9, a->data[1] = -2.385; /* white and black at any exposure */
     for (int tone = SSFR_FLIP_ACES; tone <= SSFR_FLIP_REINHARD; tone++) {
         ssfr_field *all = hdr_map_of(a, b, (ssfr_flip_tone)tone, (ssfr_flip_exposures){-2, 1.5, 3});
-        ssfr_field *largest = make(24, 18, 1, 0);
+        ssfr_field *largest = test_image(24, 18, 1, 0);
         for (double exposure = -2; exposure <= 1.5; exposure += 1.75) {
-            for (int i = 0; i < 2; i++) shown[i] = make(24, 18, 1, 0);
+            for (int i = 0; i < 2; i++) shown[i] = test_image(24, 18, 1, 0);
             for (int i = 0; i < 24 * 18; i++) {
                 shown[0]->data[i] = tones[tone](fmax(a->data[i], 0) * exp2(exposure));
                 shown[1]->data[i] = tones[tone](b->data[i] * exp2(exposure));
@@ -643,7 +635,7 @@ static void reinhard_is_of_luminance(void **state)
     const double light = 0.2126 * from[0] + 0.7152 * from[1] + 0.0722 * from[2];
     const double to[] = {from[0] / (1 + light), from[1] / (1 + light), from[2] / (1 + light)};
     ssfr_field *a = make_colour(4, 4, from), *b = make_colour(4, 4, grey), *shown = make_colour(4, 4, to);
-    ssfr_field *dimmed = make(4, 4, 3, 0.3 / 1.3);
+    ssfr_field *dimmed = test_image(4, 4, 3, 0.3 / 1.3);
     ssfr_field *map = hdr_map_of(a, b, SSFR_FLIP_REINHARD, (ssfr_flip_exposures){0, 0, 1});
     ssfr_field *plainly = map_of(shown, dimmed, SSFR_FLIP_PPD);
     assert_close(map->data[0], plainly->data[0], 0, 1e-12);
@@ -671,7 +663,7 @@ static void exposures_follow_the_light(void **state)
 static void black_is_exposed_as_it_is(void **state)
 {
     (void)state;
-    ssfr_field *b = make(6, 5, 3, 0), *a = make(6, 5, 3, 0.2385), *few = make(6, 5, 1, 0);
+    ssfr_field *b = test_image(6, 5, 3, 0), *a = test_image(6, 5, 3, 0.2385), *few = test_image(6, 5, 1, 0);
     ssfr_flip_exposures e = exposures_of(b, NULL, SSFR_FLIP_ACES);
     assert_true(e.start == 0 && e.stop == 0 && e.n == 2);
     assert_true(measure("flip_hdr", b, b) == 0 && measure("flip_hdr", a, b) > 0.5);
@@ -687,7 +679,7 @@ static void black_is_exposed_as_it_is(void **state)
 static void only_counted_pixels_are_exposed_for(void **state)
 {
     (void)state;
-    ssfr_field *b = make_exposed(), *mask = make(3, 3, 1, 1);
+    ssfr_field *b = make_exposed(), *mask = test_image(3, 3, 1, 1);
     mask->data[1] = 0;
     assert_close(exposures_of(b, mask, SSFR_FLIP_REINHARD).start, log2(0.85 / 0.15 / 2.5), 1e-12, 0);
     b->data[1] = (double)NAN;
@@ -709,7 +701,7 @@ static void what_cannot_be_seen_is_refused(void **state)
 {
     (void)state;
     static const double ppds[] = {0, -67, 0.999, 1000.5, INFINITY, (double)NAN};
-    ssfr_field *a = make(4, 3, 3, 0.5), *b = make(4, 4, 3, 0.5), *two = make(4, 3, 2, 0.5), *map = a;
+    ssfr_field *a = test_image(4, 3, 3, 0.5), *b = test_image(4, 4, 3, 0.5), *two = test_image(4, 3, 2, 0.5), *map = a;
     for (size_t i = 0; i < SSFR_COUNT(ppds); i++) {
         assert_fails(SSFR_ERR_VALUE, ssfr_flip_map(&(ssfr_pair){.a = a, .b = a}, ppds[i], &map), "pixels per degree");
         assert_null(map);
@@ -726,7 +718,7 @@ static void exposures_that_are_none_are_refused(void **state)
     (void)state;
     static const ssfr_flip_exposures bad[] = {{0, 1, 0}, {0, 1, -2}, {(double)NAN, 1, 2}, {0, INFINITY, 2}};
     const ssfr_flip_exposures good = {0, 1, 2};
-    ssfr_field *a = make(4, 3, 3, 0.5), *b = make(4, 4, 3, 0.5), *map = a;
+    ssfr_field *a = test_image(4, 3, 3, 0.5), *b = test_image(4, 4, 3, 0.5), *map = a;
     const ssfr_pair same = {.a = a, .b = a}, different = {.a = a, .b = b};
     ssfr_flip_exposures e;
     for (size_t i = 0; i < SSFR_COUNT(bad); i++) {

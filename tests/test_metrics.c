@@ -8,14 +8,6 @@
 
 #include <omp.h>
 
-static ssfr_field *make(int w, int h, int c, double value)
-{
-    ssfr_field *field = NULL;
-    assert_int_equal(ssfr_field_create(&field, w, h, c), SSFR_OK);
-    ssfr_field_fill(field, value);
-    return field;
-}
-
 static double measure_masked(const char *name, const ssfr_field *a, const ssfr_field *b, const ssfr_field *mask)
 {
     double value = -2.385;
@@ -40,7 +32,7 @@ static void fill_rectangle(ssfr_field *field, int x0, int y0, int x1, int y1, do
 /* What a metric of this kind takes: depths around -2 m, unit vectors, colours in [0, 1). */
 static ssfr_field *make_kind(ssfr_metric_kind kind, int w, int h, uint64_t seed)
 {
-    ssfr_field *field = make(w, h, kind == SSFR_METRIC_DEPTH ? 1 : 3, 0);
+    ssfr_field *field = test_image(w, h, kind == SSFR_METRIC_DEPTH ? 1 : 3, 0);
     for (int i = 0; i < w * h * field->c; i++) field->data[i] = test_random(&seed, 0, 1);
     for (int i = 0; i < w * h; i++) {
         if (kind == SSFR_METRIC_DEPTH) field->data[i] -= 2.385;
@@ -69,7 +61,7 @@ static void every_metric_is_found_by_its_name(void **state)
 static void a_constant_offset_is_rms_max_and_mean(void **state)
 {
     (void)state;
-    ssfr_field *a = make_kind(SSFR_METRIC_DEPTH, 64, 48, 1), *b = make(64, 48, 1, 0);
+    ssfr_field *a = make_kind(SSFR_METRIC_DEPTH, 64, 48, 1), *b = test_image(64, 48, 1, 0);
     for (int i = 0; i < 64 * 48; i++) b->data[i] = a->data[i] + 2.385e-3;
     fill_rectangle(a, 3, 4, 20, 11, -SSFR_EMPTY);
     fill_rectangle(b, 5, 6, 30, 9, SSFR_EMPTY);
@@ -87,7 +79,7 @@ static void a_constant_offset_is_rms_max_and_mean(void **state)
 static void rms_mean_and_max_differ_where_they_should(void **state)
 {
     (void)state;
-    ssfr_field *a = make(2, 2, 1, -1), *b = make(2, 2, 1, -1);
+    ssfr_field *a = test_image(2, 2, 1, -1), *b = test_image(2, 2, 1, -1);
     const double differences[] = {0.003, -0.004, 0, 0};
     for (int i = 0; i < 4; i++) a->data[i] += differences[i];
     assert_close(measure("depth_rms", a, b), 0.0025, 0, 1e-12);
@@ -101,7 +93,7 @@ static void rms_mean_and_max_differ_where_they_should(void **state)
 static void interior_and_edge_share_out_the_surface(void **state)
 {
     (void)state;
-    ssfr_field *a = make(40, 30, 1, -SSFR_EMPTY), *b = make(40, 30, 1, -SSFR_EMPTY);
+    ssfr_field *a = test_image(40, 30, 1, -SSFR_EMPTY), *b = test_image(40, 30, 1, -SSFR_EMPTY);
     fill_rectangle(b, 5, 5, 35, 25, -1.5);
     fill_rectangle(a, 5, 5, 35, 25, -1.5 + 0.1743);
     fill_rectangle(a, 6, 6, 34, 24, -1.5 + 2.385e-3);
@@ -118,7 +110,7 @@ static void interior_and_edge_share_out_the_surface(void **state)
 static void the_border_of_the_image_is_edge(void **state)
 {
     (void)state;
-    ssfr_field *a = make(9, 7, 1, -1 + 0.1743), *b = make(9, 7, 1, -1);
+    ssfr_field *a = test_image(9, 7, 1, -1 + 0.1743), *b = test_image(9, 7, 1, -1);
     fill_rectangle(a, 1, 1, 8, 6, -1 + 2.385e-3);
     assert_close(measure("depth_rms_interior", a, b), 2.385e-3, 0, 1e-12);
     assert_close(measure("depth_rms_edge", a, b), 0.1743, 0, 1e-12);
@@ -129,7 +121,7 @@ static void the_border_of_the_image_is_edge(void **state)
 static void iou_of_rectangles_is_their_overlap(void **state)
 {
     (void)state;
-    ssfr_field *a = make(64, 48, 1, -SSFR_EMPTY), *b = make(64, 48, 1, SSFR_EMPTY);
+    ssfr_field *a = test_image(64, 48, 1, -SSFR_EMPTY), *b = test_image(64, 48, 1, SSFR_EMPTY);
     assert_true(isnan(measure("silhouette_iou", a, b)));
     assert_true(isnan(measure("depth_rms", a, b)));
     fill_rectangle(a, 10, 5, 30, 25, -1); /* 400 px */
@@ -148,7 +140,7 @@ static const double angles[] = {1e-12, 1e-9, 2.385e-8, 1e-6, 1e-3, 0.2385, 1.5, 
 static void rotated_normals_give_their_angle(void **state)
 {
     (void)state;
-    ssfr_field *a = make(5, 4, 3, 0), *b = make(5, 4, 3, 0);
+    ssfr_field *a = test_image(5, 4, 3, 0), *b = test_image(5, 4, 3, 0);
     for (size_t i = 0; i < SSFR_COUNT(angles); i++) {
         for (int p = 0; p < 20; p++) {
             a->data[3 * p + 2] = 1;
@@ -167,7 +159,7 @@ static void rotated_normals_give_their_angle(void **state)
 static void oblique_normals_keep_tiny_angles(void **state)
 {
     (void)state;
-    ssfr_field *a = make_kind(SSFR_METRIC_NORMAL, 8, 6, 3), *b = make(8, 6, 3, 0);
+    ssfr_field *a = make_kind(SSFR_METRIC_NORMAL, 8, 6, 3), *b = test_image(8, 6, 3, 0);
     for (size_t i = 0; i < SSFR_COUNT(angles); i++) {
         for (int p = 0; p < 48; p++) {
             const double *n = a->data + 3 * p;
@@ -186,7 +178,7 @@ static void oblique_normals_keep_tiny_angles(void **state)
 static void the_last_digits_of_a_normal_count(void **state)
 {
     (void)state;
-    ssfr_field *a = make(1, 1, 3, 0), *b = make(1, 1, 3, 0);
+    ssfr_field *a = test_image(1, 1, 3, 0), *b = test_image(1, 1, 3, 0);
     a->data[0] = 0.6, a->data[1] = 0.8;
     b->data[0] = 0.6 + 0x1p-47, b->data[1] = 0.8;
     assert_close(measure("normal_max_deg", a, b) * M_PI / 180, 0.8 * (b->data[0] - 0.6), 0, 1e-13);
@@ -197,7 +189,7 @@ static void the_last_digits_of_a_normal_count(void **state)
 static void a_zero_vector_is_no_surface(void **state)
 {
     (void)state;
-    ssfr_field *a = make(3, 1, 3, 0), *b = make(3, 1, 3, 0);
+    ssfr_field *a = test_image(3, 1, 3, 0), *b = test_image(3, 1, 3, 0);
     assert_true(isnan(measure("normal_mean_deg", a, b)));
     ssfr_field_at(a, 0, 0)[2] = 1;
     assert_true(isnan(measure("normal_max_deg", a, b)));
@@ -215,7 +207,8 @@ static void psnr_follows_from_the_display_difference(void **state)
 {
     (void)state;
     for (int c = 1; c <= 3; c += 2) {
-        ssfr_field *a = make(32, 20, c, ssfr_srgb_decode(0.5)), *b = make(32, 20, c, ssfr_srgb_decode(0.52385));
+        ssfr_field *a = test_image(32, 20, c, ssfr_srgb_decode(0.5));
+        ssfr_field *b = test_image(32, 20, c, ssfr_srgb_decode(0.52385));
         assert_close(measure("psnr", a, b), -20 * log10(0.02385), 0, 1e-12);
         assert_true(measure("psnr", a, a) == INFINITY);
         fill_rectangle(a, 0, 0, 32, 20, 2.385); /* beyond white on both sides: the same display value */
@@ -229,7 +222,7 @@ static void psnr_follows_from_the_display_difference(void **state)
 static void squares_and_largest_are_of_linear_values(void **state)
 {
     (void)state;
-    ssfr_field *a = make(31, 17, 3, 0.3), *b = make(31, 17, 3, 0.5);
+    ssfr_field *a = test_image(31, 17, 3, 0.3), *b = test_image(31, 17, 3, 0.5);
     assert_close(measure("mse", a, b), 0.04, 0, 1e-12);
     assert_close(measure("relmse", a, b), 0.04 / 0.26, 0, 1e-12);
     assert_close(measure("max_abs", a, b), 0.2, 0, 1e-12);
@@ -285,7 +278,7 @@ static double plain_ssim(const ssfr_field *a, const ssfr_field *b, double scale)
 
 static ssfr_field *make_noisy(const ssfr_field *from, double amplitude)
 {
-    ssfr_field *field = make(from->w, from->h, from->c, 0);
+    ssfr_field *field = test_image(from->w, from->h, from->c, 0);
     uint64_t seed = 23;
     for (int i = 0; i < from->w * from->h * from->c; i++)
         field->data[i] = from->data[i] + amplitude * test_random(&seed, -1, 1);
@@ -294,7 +287,7 @@ static ssfr_field *make_noisy(const ssfr_field *from, double amplitude)
 
 static ssfr_field *make_gradient(int w, int h, int c)
 {
-    ssfr_field *field = make(w, h, c, 0);
+    ssfr_field *field = test_image(w, h, c, 0);
     for (int y = 0; y < h; y++)
         for (int x = 0; x < w; x++)
             for (int k = 0; k < c; k++)
@@ -337,7 +330,7 @@ static void ssim_agrees_with_its_definition_on_0_to_255(void **state)
 static void ssim_under_a_mask_is_the_mean_over_it(void **state)
 {
     (void)state;
-    ssfr_field *a = make_gradient(60, 40, 3), *b = make_gradient(60, 40, 3), *mask = make(60, 40, 1, 1);
+    ssfr_field *a = make_gradient(60, 40, 3), *b = make_gradient(60, 40, 3), *mask = test_image(60, 40, 1, 1);
     fill_rectangle(b, 0, 0, 20, 40, 0.2385);
     assert_true(measure("ssim", b, a) < 0.9);
     fill_rectangle(mask, 0, 0, 25, 40, 0); /* further than the window reaches */
@@ -362,7 +355,7 @@ static void what_opencv_throws_comes_back_as_one_line(void **state)
 static void biases_and_maxima_of_the_interior_stand_apart(void **state)
 {
     (void)state;
-    ssfr_field *a = make(40, 30, 1, -SSFR_EMPTY), *b = make(40, 30, 1, -SSFR_EMPTY);
+    ssfr_field *a = test_image(40, 30, 1, -SSFR_EMPTY), *b = test_image(40, 30, 1, -SSFR_EMPTY);
     fill_rectangle(b, 5, 5, 35, 25, -1.5);
     fill_rectangle(a, 5, 5, 35, 25, -2);
     fill_rectangle(a, 6, 6, 34, 24, -1.51);
@@ -380,7 +373,7 @@ static void the_median_is_the_middle_of_the_interior(void **state)
 {
     (void)state;
     static const double differences[] = {0.02, -0.04, 0.5, -0.01};
-    ssfr_field *a = make(6, 3, 1, -9), *b = make(6, 3, 1, -1), *mask = make(6, 3, 1, 1);
+    ssfr_field *a = test_image(6, 3, 1, -9), *b = test_image(6, 3, 1, -1), *mask = test_image(6, 3, 1, 1);
     for (int i = 0; i < 4; i++) *ssfr_field_at(a, i + 1, 1) = -1 + differences[i];
     *ssfr_field_at(mask, 3, 1) = 0;
     assert_close(measure_masked("depth_median_interior", a, b, mask), -0.01, 0, 1e-12);
@@ -399,7 +392,8 @@ static void the_median_is_the_middle_of_the_interior(void **state)
 static void a_sampled_reference_leaves_neighbours_to_the_measured_image(void **state)
 {
     (void)state;
-    ssfr_field *a = make(40, 30, 1, -1.5), *b = make(40, 30, 1, -SSFR_EMPTY), *mask = make(40, 30, 1, 0);
+    ssfr_field *a = test_image(40, 30, 1, -1.5), *b = test_image(40, 30, 1, -SSFR_EMPTY);
+    ssfr_field *mask = test_image(40, 30, 1, 0);
     const ssfr_pair pair = {.a = a, .b = b, .mask = mask, .sampled = true};
     double interior = 0, edge = 0;
     *ssfr_field_at(a, 20, 20) = -SSFR_EMPTY;
@@ -419,7 +413,7 @@ static void a_sampled_reference_leaves_neighbours_to_the_measured_image(void **s
 static void sampled_normals_are_interior_by_the_measured_image_too(void **state)
 {
     (void)state;
-    ssfr_field *a = make(20, 15, 3, 0), *b = make(20, 15, 3, 0), *mask = make(20, 15, 1, 0);
+    ssfr_field *a = test_image(20, 15, 3, 0), *b = test_image(20, 15, 3, 0), *mask = test_image(20, 15, 1, 0);
     const ssfr_pair pair = {.a = a, .b = b, .mask = mask, .sampled = true};
     double interior = 0, edge = 0;
     for (int i = 0; i < 20 * 15; i++) a->data[3 * i + 2] = i == 8 * 20 + 12 ? 0 : 1; /* a hole at (12, 8) */
@@ -443,7 +437,7 @@ static void pixels_add_up_to_the_metric(void **state)
     for (int i = 0; ssfr_metric_at(i); i++) {
         const ssfr_metric *m = ssfr_metric_at(i);
         if (!ssfr_metric_is_mean(m)) continue;
-        ssfr_field *b = make_kind(m->kind, 23, 17, 5), *a = make_noisy(b, 0.01), *mask = make(23, 17, 1, 1);
+        ssfr_field *b = make_kind(m->kind, 23, 17, 5), *a = make_noisy(b, 0.01), *mask = test_image(23, 17, 1, 1);
         const ssfr_pair pair = {.a = a, .b = b, .mask = mask};
         double sum = 0, n = 0;
         fill_rectangle(mask, 0, 0, 10, 9, 0);
@@ -462,7 +456,7 @@ static void pixels_add_up_to_the_metric(void **state)
 static void normals_of_interior_and_edge_share_out_the_surface(void **state)
 {
     (void)state;
-    ssfr_field *a = make(20, 15, 3, 0), *b = make(20, 15, 3, 0);
+    ssfr_field *a = test_image(20, 15, 3, 0), *b = test_image(20, 15, 3, 0);
     for (int y = 3; y < 12; y++)
         for (int x = 4; x < 16; x++) {
             const bool edge = x == 4 || x == 15 || y == 3 || y == 11;
@@ -485,7 +479,7 @@ static void masks_leave_out_what_they_hide(void **state)
     (void)state;
     for (int i = 0; ssfr_metric_at(i); i++) {
         const ssfr_metric *m = ssfr_metric_at(i);
-        ssfr_field *b = make_kind(m->kind, 40, 30, 5), *a = make_noisy(b, 0.01), *mask = make(40, 30, 1, 2.385);
+        ssfr_field *b = make_kind(m->kind, 40, 30, 5), *a = make_noisy(b, 0.01), *mask = test_image(40, 30, 1, 2.385);
         const double whole = measure(m->name, a, b);
         assert_true(measure_masked(m->name, a, b, mask) == whole);
         fill_rectangle(mask, 0, 0, 20, 30, 0);
@@ -575,8 +569,8 @@ static void images_that_do_not_fit_are_refused(void **state)
     double value = 2.385;
     for (int i = 0; ssfr_metric_at(i); i++) {
         const ssfr_metric *m = ssfr_metric_at(i);
-        ssfr_field *a = make_kind(m->kind, 20, 12, 1), *b = make_kind(m->kind, 20, 13, 2), *two = make(20, 12, 2, 0.5);
-        ssfr_field *mask = make(19, 12, 1, 1);
+        ssfr_field *a = make_kind(m->kind, 20, 12, 1), *b = make_kind(m->kind, 20, 13, 2);
+        ssfr_field *two = test_image(20, 12, 2, 0.5), *mask = test_image(19, 12, 1, 1);
         assert_fails(SSFR_ERR_VALUE, ssfr_metric_measure(m, a, b, NULL, &value), "20 x 12 pixels");
         assert_non_null(strstr(test_last_error(), "against 20 x 13"));
         assert_fails(SSFR_ERR_VALUE, ssfr_metric_measure(m, a, two, NULL, &value), "against 20 x 12 of 2");

@@ -5,18 +5,10 @@
 
 #include <gsl/gsl_cdf.h>
 
-static ssfr_field *make(int w, int h, int c, double value)
-{
-    ssfr_field *field = NULL;
-    assert_int_equal(ssfr_field_create(&field, w, h, c), SSFR_OK);
-    ssfr_field_fill(field, value);
-    return field;
-}
-
 /* One pixel of each square of N x N. */
 static ssfr_field *draw_cast(int w, int h, int every, uint64_t seed)
 {
-    ssfr_field *cast = make(w, h, 1, 0);
+    ssfr_field *cast = test_image(w, h, 1, 0);
     for (int y = 0; y < h; y += every)
         for (int x = 0; x < w; x += every) {
             const double across = test_random(&seed, 0, ssfr_min_int(every, w - x));
@@ -46,7 +38,7 @@ static void the_size_of_squares_is_found(void **state)
 static void what_is_no_sample_is_refused(void **state)
 {
     (void)state;
-    ssfr_field *cast = draw_cast(64, 48, 4, 3), *none = make(64, 48, 1, 0);
+    ssfr_field *cast = draw_cast(64, 48, 4, 3), *none = test_image(64, 48, 1, 0);
     int every;
     assert_fails(SSFR_ERR_VALUE, ssfr_sampled_find(none, "t.exr", &every), "t.exr: cast is not 0 at 0 of 64x48");
     for (int i = 0; i < 64 * 48; i++)
@@ -67,7 +59,7 @@ static void what_is_no_sample_is_refused(void **state)
 static void pixels_are_weighted_by_their_squares(void **state)
 {
     (void)state;
-    ssfr_field *a = make(5, 4, 1, -1), *b = make(5, 4, 1, -1), *cast = make(5, 4, 1, 0);
+    ssfr_field *a = test_image(5, 4, 1, -1), *b = test_image(5, 4, 1, -1), *cast = test_image(5, 4, 1, 0);
     ssfr_sampled s;
     const ssfr_pair pair = {.a = a, .b = b, .mask = cast, .sampled = true};
     *ssfr_field_at(cast, 1, 2) = *ssfr_field_at(cast, 4, 1) = 1; /* squares of 16 and of 4 pixels */
@@ -93,7 +85,8 @@ static void the_interval_of_alternating_values_is_known(void **state)
 {
     (void)state;
     enum { PAIRS = 20 };
-    ssfr_field *a = make(4 * PAIRS, 2, 1, 0), *b = make(4 * PAIRS, 2, 1, 0), *cast = make(4 * PAIRS, 2, 1, 0);
+    ssfr_field *a = test_image(4 * PAIRS, 2, 1, 0), *b = test_image(4 * PAIRS, 2, 1, 0);
+    ssfr_field *cast = test_image(4 * PAIRS, 2, 1, 0);
     const ssfr_pair pair = {.a = a, .b = b, .mask = cast, .sampled = true};
     ssfr_sampled s;
     for (int i = 0; i < 2 * PAIRS; i++) *ssfr_field_at(cast, 2 * i, 1) = 1, *ssfr_field_at(a, 2 * i, 1) = 3 + i % 2;
@@ -110,7 +103,7 @@ static void the_interval_of_alternating_values_is_known(void **state)
 static void a_share_of_one_has_an_interval(void **state)
 {
     (void)state;
-    ssfr_field *a = make(60, 60, 1, -1), *cast = draw_cast(60, 60, 6, 3);
+    ssfr_field *a = test_image(60, 60, 1, -1), *cast = draw_cast(60, 60, 6, 3);
     const ssfr_pair pair = {.a = a, .b = a, .mask = cast, .sampled = true};
     ssfr_sampled s;
     assert_int_equal(ssfr_sampled_metric(ssfr_metric_find("silhouette_iou"), &pair, cast, 6, &s), SSFR_OK);
@@ -130,7 +123,8 @@ static scene make_scene(void)
     scene s;
     uint64_t seed = 5;
     for (int k = 0; k < 2; k++) {
-        s.depth[k] = make(W, H, 1, -SSFR_EMPTY), s.normal[k] = make(W, H, 3, 0), s.colour[k] = make(W, H, 3, 0.2);
+        s.depth[k] = test_image(W, H, 1, -SSFR_EMPTY), s.normal[k] = test_image(W, H, 3, 0),
+        s.colour[k] = test_image(W, H, 3, 0.2);
         for (int i = 0; i < W * H; i++) {
             const double u = (i % W - 0.45 * W) / (0.35 * W), v = (i / W - 0.5 * H) / (0.4 * H), r2 = u * u + v * v;
             const double noise = test_random(&seed, -0.02, 0.02) * k;
@@ -155,7 +149,7 @@ static void finish(scene *s)
 /* As the file of a truth holds it: nothing where nothing was cast. */
 static ssfr_field *hide(const ssfr_field *of, const ssfr_field *cast, double empty)
 {
-    ssfr_field *field = make(of->w, of->h, of->c, empty);
+    ssfr_field *field = test_image(of->w, of->h, of->c, empty);
     for (int i = 0; i < of->w * of->h; i++)
         if (cast->data[i] != 0)
             for (int c = 0; c < of->c; c++) field->data[i * of->c + c] = of->data[i * of->c + c];
@@ -254,7 +248,7 @@ static void what_may_escape_widens_by_what_it_may_be_worth(void **state)
     assert_close(s.low, value - (value + 3) * escapes, 0, 1e-12);
     assert_close(s.high, value + (17 - value) * escapes, 0, 1e-12);
     ssfr_field_destroy(&cast);
-    cast = make(60, 60, 1, 1);
+    cast = test_image(60, 60, 1, 1);
     assert_int_equal(ssfr_sampled_mean(cast, 1, flat, &value, wide, &s), SSFR_OK); /* nothing escapes */
     assert_true(s.low == s.value && s.high == s.value);
     ssfr_field_destroy(&cast);
@@ -289,7 +283,7 @@ static void a_pair_that_holds_most_leaves_few_degrees(void **state)
 static void depths_may_be_as_far_apart_as_both_images_reach(void **state)
 {
     (void)state;
-    ssfr_field *a = make(60, 60, 1, -2), *b = make(60, 60, 1, -2), *cast = draw_cast(60, 60, 6, 3);
+    ssfr_field *a = test_image(60, 60, 1, -2), *b = test_image(60, 60, 1, -2), *cast = draw_cast(60, 60, 6, 3);
     const ssfr_pair pair = {.a = a, .b = b, .mask = cast, .sampled = true};
     const double escapes = -log(0.025) / 100;
     ssfr_sampled s;

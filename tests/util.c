@@ -109,6 +109,14 @@ const char *test_data_or_skip(void)
     return data;
 }
 
+ssfr_field *test_image(int w, int h, int c, double value)
+{
+    ssfr_field *field = NULL;
+    assert_int_equal(ssfr_field_create(&field, w, h, c), SSFR_OK);
+    ssfr_field_fill(field, value);
+    return field;
+}
+
 double test_random(uint64_t *state, double lo, double hi)
 {
     *state = *state * 6364136223846793005u + 1442695040888963407u;

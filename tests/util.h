@@ -3,7 +3,7 @@
 #ifndef SSFR_TESTS_UTIL_H
 #define SSFR_TESTS_UTIL_H
 
-#include "base/base.h"
+#include "base/field.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -40,5 +40,8 @@ const char *test_data_or_skip(void);
 
 /* Deterministic numbers in [lo, hi). */
 double test_random(uint64_t *state, double lo, double hi);
+
+/* The caller's to destroy. */
+ssfr_field *test_image(int w, int h, int c, double value);
 
 #endif
