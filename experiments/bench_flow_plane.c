@@ -18,7 +18,6 @@ enum {
 };
 static const double share = 0.8;  /* of the stability bound: the limit of the nearest crests does not bind */
 static const double slope = 0.05; /* of the bumps, at most: then the flow is linear but for 0.3 % */
-static const double pi = 3.14159265358979323846;
 
 double ssfr_bumps_distance(const ssfr_bumps_setup *s, int i)
 {
@@ -113,7 +112,7 @@ static ssfr_result measure_period(ssfr_graph *graph, const ssfr_scene *scene, do
 {
     ssfr_result result = SSFR_OK;
     ssfr_field *smooth = NULL;
-    const double k = pi * mode / W, a = slope * out->wavelength / (2 * pi);
+    const double k = M_PI * mode / W, a = slope * out->wavelength / (2 * M_PI);
     for (int i = 0; i < W * H; i++) depth->data[i] = a * cos(k * (i % W + 0.5)) - distance;
     SSFR_TRY(ssfr_graph_import(graph, "depth", depth));
     SSFR_TRY(ssfr_graph_run(graph, scene, NULL));
@@ -132,7 +131,7 @@ static double fit_width(const ssfr_bumps_period *periods)
 {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (int i = 0; i < SSFR_BUMPS_PERIODS; i++) {
-        const double q2 = ssfr_square(2 * pi / periods[i].wavelength), value = -log(periods[i].gain) / q2;
+        const double q2 = ssfr_square(2 * M_PI / periods[i].wavelength), value = -log(periods[i].gain) / q2;
         if (!(periods[i].gain > 0.3 && periods[i].gain < 1 - 1e-6)) continue;
         n++, x += q2, y += value, xx += q2 * q2, xy += q2 * value;
     }
@@ -151,7 +150,7 @@ static ssfr_result measure_periods(const ssfr_bumps_setup *s, ssfr_bumps_flow fl
         *p = (ssfr_bumps_period){NAN, NAN, NAN, NAN, NAN};
         if (2 * W < SHORTEST * mode) continue;
         p->wavelength = 2 * W * px / mode;
-        p->predicted = damping(s, flow, distance, pi * mode / W);
+        p->predicted = damping(s, flow, distance, M_PI * mode / W);
         result = measure_period(graph, scene, distance, mode, depth, p);
     }
     return result;

@@ -110,7 +110,7 @@ static double exponential_r(double r) { return chord(r) * exp(-2 * r); }
 static double volume_of(double (*t)(double))
 {
     enum { STEPS = 2000 }; /* the midpoint rule's error is its square's inverse */
-    const double step = 0.5 * 3.14159265358979323846 / STEPS;
+    const double step = 0.5 * M_PI / STEPS;
     double sum = 0;
     for (int i = 0; i < STEPS; i++) {
         const double a = (i + 0.5) * step;

@@ -14,7 +14,7 @@ extern "C" {
 #endif
 
 /* Pixels per degree of visual angle: an image of 3840 pixels seen from as far as it is wide, as the authors have it. */
-#define SSFR_FLIP_PPD (3840 * 3.14159265358979323846 / 180)
+#define SSFR_FLIP_PPD (3840 * M_PI / 180)
 
 /* A map has one channel: errors in [0, 1], NaN where a NaN is in the filters' reach of ceil(0.135 ppd) pixels. Images
  * have 1 or 3 channels, linear. The mask of the pair is not looked at. ppd is in [1, 1000]. */

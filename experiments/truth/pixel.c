@@ -6,8 +6,6 @@
 
 #include <float.h>
 
-static const double pi = 3.14159265358979323846;
-
 /* A pixel's ray: t is the distance to the eye, and begins at the near plane. */
 typedef struct view {
     ssfr_ray ray;
@@ -124,7 +122,7 @@ static void tell_surface(const ssfr_truth_worker *w, const view *v, const ssfr_c
     normal[0] = side * ssfr_dot(c->right, first->normal);
     normal[1] = side * ssfr_dot(c->up, first->normal);
     normal[2] = side * ssfr_dot(c->back, first->normal);
-    values[at[SSFR_TRUTH_normal_err]] = doubtful ? pi : fmin(first->normal_err + 4 * DBL_EPSILON, pi);
+    values[at[SSFR_TRUTH_normal_err]] = doubtful ? M_PI : fmin(first->normal_err + 4 * DBL_EPSILON, M_PI);
 }
 
 /* Only a touch tells of a surface, or none does. */
@@ -133,7 +131,7 @@ static void tell_no_surface(const ssfr_truth_worker *w, double *values)
     const int *at = w->scene->tiles->at;
     if (!isfinite(w->crossings.touch)) return;
     values[at[SSFR_TRUTH_depth_err]] = SSFR_EMPTY;
-    values[at[SSFR_TRUTH_normal_err]] = pi;
+    values[at[SSFR_TRUTH_normal_err]] = M_PI;
 }
 
 /* Of the way from the line's from to its to, where that is finite. */

@@ -145,7 +145,7 @@ static void fill_block(ssfr_block *block, const ssfr_scene *scene, const ssfr_wo
     const ssfr_medium *m = &world->medium;
     const ssfr_sky *sky = &world->sky;
     const ssfr_field *map = scene->environment;
-    const double degree = 3.14159265358979323846 / 180, tile = world->floor.tile;
+    const double degree = M_PI / 180, tile = world->floor.tile;
     const double a = world->light.azimuth_deg * degree, e = world->light.elevation_deg * degree;
     const double floor_y = isfinite(scene->floor) ? scene->floor - camera->eye[1] : -SSFR_EMPTY;
     set4(block->image, camera->w, camera->h, 2 * camera->tan_x / camera->w, 2 * camera->tan_y / camera->h);

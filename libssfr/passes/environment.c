@@ -4,8 +4,6 @@
 
 #include "scene/solid.h"
 
-static const double pi = 3.14159265358979323846;
-
 static const double *map_texel(const ssfr_field *map, int x, int y)
 {
     return ssfr_field_at(map, (x + map->w) % map->w, ssfr_clamp_int(y, 0, map->h - 1));
@@ -16,8 +14,8 @@ static void map_at(const ssfr_field *map, const double dir[3], double color[3])
 {
     const double level = fmax(sqrt(dir[0] * dir[0] + dir[2] * dir[2]), 1e-20);
     const double z = dir[0] == 0 && dir[2] == 0 ? 1 : dir[2];
-    const double u = (0.5 - atan2(dir[0], z) / (2 * pi)) * map->w - 0.5;
-    const double v = atan2(level, dir[1]) / pi * map->h - 0.5;
+    const double u = (0.5 - atan2(dir[0], z) / (2 * M_PI)) * map->w - 0.5;
+    const double v = atan2(level, dir[1]) / M_PI * map->h - 0.5;
     const double a = u - floor(u), b = v - floor(v);
     const int x = (int)floor(u), y = (int)floor(v);
     for (int k = 0; k < 3; k++)

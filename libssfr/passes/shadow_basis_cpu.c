@@ -2,13 +2,11 @@
 /* shadow_basis_cpu.c: cosines and sines of a shadow map's depths, filtered along rows and columns, in double. */
 #include "passes/shadow_basis.h"
 
-static const double pi = 3.14159265358979323846;
-
 /* Value i of a texel with its caster at normalised depth z. */
 static double value(const ssfr_shadow_basis_coeffs *c, int i, double z)
 {
     const int k = (i + 1) / 2;
-    const double angular = pi * (2 * k - 1), weight = 2 * exp(-c->damping * k * k) / angular;
+    const double angular = M_PI * (2 * k - 1), weight = 2 * exp(-c->damping * k * k) / angular;
     if (i == 0) return 1;
     if (k > c->terms) return 0;
     return weight * (i % 2 ? cos(angular * z) : sin(angular * z));

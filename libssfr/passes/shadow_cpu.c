@@ -5,8 +5,6 @@
 #include "passes/environment.h"
 #include "passes/shadow_basis.h"
 
-static const double pi = 3.14159265358979323846;
-
 /* ---- where the fluid is ------------------------------------------------------------------------------------------ */
 
 /* The mean of the depths around a pixel that are a surface; empty where none is. */
@@ -93,7 +91,7 @@ static double convolved(const ssfr_run *run, const double at[3])
         basis_at(basis, i, q, v);
         for (int k = 0; k < 4; k++) {
             const int value = 4 * i + k;
-            const double angle = pi * (2 * ((value + 1) / 2) - 1) * d;
+            const double angle = M_PI * (2 * ((value + 1) / 2) - 1) * d;
             if (value == 0) share = v[k];
             else sum += value % 2 ? -sin(angle) * v[k] : cos(angle) * v[k];
         }

@@ -17,7 +17,7 @@ ssfr_result ssfr_camera_look(ssfr_camera *out, const double eye[3], const double
 {
     ssfr_camera c = {.near = 0.01, .far = 1000, .w = w, .h = h};
     double upwards[3] = {up[0], up[1], up[2]};
-    if (!(fov_y > 0 && fov_y < 3.14159265358979323846))
+    if (!(fov_y > 0 && fov_y < M_PI))
         return ssfr_fail(SSFR_ERR_VALUE, "field of view of %g rad is not in (0, pi)", fov_y);
     if (w < 1 || h < 1 || w > SSFR_MAX_SIZE || h > SSFR_MAX_SIZE)
         return ssfr_fail(SSFR_ERR_VALUE, "image of %d x %d pixels: sides go from 1 to %d", w, h, SSFR_MAX_SIZE);
