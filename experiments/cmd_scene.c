@@ -25,7 +25,7 @@ static ssfr_result list_builtin(ssfr_table *table, const ssfr_builtin *builtin)
     SSFR_TRY(builtin->make(&particles, 1));
     SSFR_TRY(ssfr_table_add(table, "%s", builtin->name));
     for (int scale = 0; scale < 2; scale++) SSFR_TRY(ssfr_table_add(table, "%zu", particles->n));
-    SSFR_TRY(ssfr_table_add(table, "-"));
+    SSFR_TRY(builtin->n_frames > 0 ? ssfr_table_add(table, "%d", builtin->n_frames) : ssfr_table_add(table, "-"));
     SSFR_TRY(ssfr_table_add(table, "%s", builtin->help));
 end:
     ssfr_particles_destroy(&particles);

@@ -3,12 +3,13 @@
  *
  * finite: all values of all images that the pipeline writes are finite.
  * bounded: in all of these images
- *  - a surface of the fluid is no nearer than the nearest sphere of a particle begins and no farther than the farthest
- *    ends, spheres being as large as the largest splats, and one of foam by what its quad leans out of them;
- *  - a length of fluid is not negative;
- *  - the picture is not negative, and no brighter than the sum of the brightest that there is to be seen (the scene
- *    without fluid, sky or environment, white under the light, the water's own colour), of the highest highlight and of
- *    the brightest foam, and where there is spray, of all its particles.
+ *  - the splats' water is no nearer than the nearest sphere of a particle begins, nor than the eye, and no farther than
+ *    the farthest ends, spheres being as large as the largest splats, and foam by what its quads lean out of them;
+ *    depths made of the splats' are within theirs;
+ *  - a length of fluid is not negative, and no more than the diameters of all particles that may be over the pixel;
+ *  - the picture is not negative, and no brighter than the brightest that there is to be seen (the scene without fluid,
+ *    sky or environment, white under the light, the colours of water and foam) with the highest highlight, and with what
+ *    all spray adds that may be over the pixel.
  * Smoothing that is not stable leaves the first, errors of signs or of shares that do not add up to one the others. */
 #ifndef SSFR_INSPECT_H
 #define SSFR_INSPECT_H
@@ -18,11 +19,15 @@
 typedef struct ssfr_bounds {
     double nearest, farthest; /* m, eye-space z of surfaces of the fluid; without particles none is within them */
     double leaning;           /* m, how much nearer or farther foam may be, whose quads lean along its velocity */
-    double brightest;         /* of the picture */
+    double brightest;         /* of the picture without spray */
+    ssfr_field *water, *foam; /* m, lengths at each pixel */
+    ssfr_field *spray;        /* what it adds to each pixel */
 } ssfr_bounds;
 
-/* Of a graph's frames of a scene. `behind` is the scene without the fluid. */
-ssfr_bounds ssfr_inspect_bounds(const ssfr_graph *graph, const ssfr_scene *scene, const ssfr_field *behind);
+/* Of a graph's last frame, which was of this scene. `behind` is the scene without the fluid. */
+SSFR_MUST ssfr_result ssfr_inspect_bounds(ssfr_bounds *out, const ssfr_graph *graph, const ssfr_scene *scene,
+                                          const ssfr_field *behind);
+void ssfr_bounds_clear(ssfr_bounds *bounds);
 
 typedef struct ssfr_inspected {
     bool finite, bounded;

@@ -37,6 +37,7 @@ ssfr_result ssfr_play_check(const ssfr_stage_options *options)
  * for what lags. */
 static long find_first(const ssfr_stage *stage, long n, double history)
 {
+    if (n == BY_HISTORY && !stage->description) n = stage->frame; /* they are all of one time */
     if (n == BY_HISTORY) n = lround(fmin(ceil(history * stage->description->frame_rate), SSFR_MAX_FRAME - 1)) + 1;
     return stage->frame > n ? stage->frame - n : 0;
 }

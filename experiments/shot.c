@@ -17,6 +17,7 @@ static const measure twin_measures[] = {
     {SSFR_COLUMN_twin_depth_max, SSFR_SHOT_DEPTH, "depth_max"},
     {SSFR_COLUMN_twin_normal_mean_deg, SSFR_SHOT_NORMAL, "normal_mean_deg"},
     {SSFR_COLUMN_twin_psnr, SSFR_SHOT_COLOUR, "psnr"},
+    {SSFR_COLUMN_twin_ssim, SSFR_SHOT_COLOUR, "ssim"},
     {SSFR_COLUMN_twin_flip, SSFR_SHOT_COLOUR, "flip"},
 };
 

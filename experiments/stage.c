@@ -53,15 +53,23 @@ ssfr_load_options ssfr_stage_load_options(const ssfr_stage_options *options)
 
 /* ---- which frames there are -------------------------------------------------------------------------------------- */
 
+/* From 0 on. */
+static ssfr_result number_frames(ssfr_stage *stage, int n)
+{
+    ssfr_result result = SSFR_OK;
+    SSFR_TRY(ssfr_alloc(&stage->frames, (size_t)n, sizeof *stage->frames, "the numbers of frames"));
+    for (; stage->n_frames < (size_t)n; stage->n_frames++) stage->frames[stage->n_frames] = (long)stage->n_frames;
+end:
+    return result;
+}
+
 static ssfr_result open_described(ssfr_stage *stage, const ssfr_stage_options *options)
 {
     ssfr_result result = SSFR_OK;
     SSFR_TRY(ssfr_scene_describe(&stage->source, (ssfr_scale)options->scale, &stage->description));
     const ssfr_description *d = stage->description;
     SSFR_TRY(ssfr_make_folder(d, options->cache, options->seed, &stage->folder));
-    SSFR_TRY(ssfr_alloc(&stage->frames, (size_t)d->n_frames, sizeof *stage->frames, "the numbers of frames"));
-    for (; stage->n_frames < (size_t)d->n_frames; stage->n_frames++)
-        stage->frames[stage->n_frames] = (long)stage->n_frames;
+    SSFR_TRY(number_frames(stage, d->n_frames));
     if (d->environment) SSFR_TRY(ssfr_exr_load(d->environment, "R,G,B", &stage->environment));
 end:
     return result;
@@ -79,6 +87,8 @@ ssfr_result ssfr_stage_open(ssfr_stage **out, const char *scene, const ssfr_stag
     SSFR_TRY(ssfr_scene_find(scene, &stage->source));
     if (stage->source.kind == SSFR_SCENE_DESCRIBED)
         SSFR_TRY(open_described(stage, options));
+    else if (stage->source.kind == SSFR_SCENE_BUILTIN && stage->source.builtin->n_frames > 0)
+        SSFR_TRY(number_frames(stage, stage->source.builtin->n_frames));
     else if (stage->source.kind == SSFR_SCENE_SEQUENCE)
         SSFR_TRY(ssfr_sequence_frames(scene, &ssfr_frame_range_all, &stage->n_frames, &stage->frames));
     *out = stage;
@@ -194,14 +204,16 @@ end:
 ssfr_result ssfr_stage_read(const ssfr_stage *stage, const ssfr_stage_options *options, long frame,
                             ssfr_particles **fluid)
 {
-    const ssfr_result result = load_made(stage, frame, false, fluid);
+    const ssfr_builtin *builtin = stage->source.builtin;
+    const ssfr_result result = builtin ? builtin->make(fluid, options->seed) : load_made(stage, frame, false, fluid);
     if (result == SSFR_OK && options->radius > 0) (*fluid)->radius = options->radius;
     return result;
 }
 
 double ssfr_stage_time(const ssfr_stage *stage, long frame)
 {
-    return stage->description ? (double)frame / stage->description->frame_rate : NAN;
+    const bool at_once = stage->source.builtin && stage->source.builtin->n_frames > 0;
+    return stage->description ? (double)frame / stage->description->frame_rate : at_once ? 0 : NAN;
 }
 
 /* Those that are drawn, where they are now; how many. */

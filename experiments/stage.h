@@ -46,7 +46,7 @@ typedef struct ssfr_stage {
     size_t n_frames;
     long *frames;             /* the numbers of those there are, or can be made, rising; n_frames 0: only one picture */
     long frame;               /* shown now; -1 when there is only one */
-    double time;              /* s, of a described scene; else NaN */
+    double time;              /* s; NaN where its frames have none */
     double simulation_ms;     /* wall time that the simulation of the frame took; NaN: not known */
     ssfr_particles *particles;
     ssfr_particles *foam;     /* diffuse particles of the frame; NULL for none */
@@ -71,10 +71,10 @@ SSFR_MUST ssfr_result ssfr_stage_find_frame(const ssfr_stage *stage, const ssfr_
 /* Shows another frame, of those in `frames`; -1: that which the options name. */
 SSFR_MUST ssfr_result ssfr_stage_show(ssfr_stage *stage, const ssfr_stage_options *options, long frame);
 
-/* The fluid of a frame before the one shown of a described scene, which stays the one shown. */
+/* The fluid of a frame before the one shown of a scene whose frames have a time; that stays the one shown. */
 SSFR_MUST ssfr_result ssfr_stage_read(const ssfr_stage *stage, const ssfr_stage_options *options, long frame,
                                       ssfr_particles **fluid);
-/* When a frame of a described scene is, s; NaN of others. */
+/* When a frame of a described scene is, s, or of a shape that has some; NaN of others. */
 double ssfr_stage_time(const ssfr_stage *stage, long frame);
 
 /* The frames of a range; fails for a scene of one picture. To free(). */

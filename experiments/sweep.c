@@ -6,6 +6,7 @@
 #include "experiments/csv.h"
 #include "experiments/figures.h"
 #include "experiments/interrupt.h"
+#include "experiments/means.h"
 #include "experiments/meta.h"
 #include "experiments/rig.h"
 #include "experiments/scenes/make.h"
@@ -437,6 +438,18 @@ end:
     return result;
 }
 
+/* As papers average over a camera's movement. */
+static ssfr_result save_means(const sweep *s)
+{
+    const char *columns[N_SAID + SSFR_MAX_ADDED + 1];
+    int n = 0;
+    if (!ssfr_sweep_spec_axis(s->spec, "view")) return SSFR_OK;
+    for (int i = 0; i < n_said(s); i++)
+        if (i < SSFR_N_COLUMNS || i >= N_SAID) columns[n++] = s->meanings[i].name;
+    if (s->o->published) columns[n++] = s->o->published->header;
+    return ssfr_means_save(s->o->output, "view", n, columns);
+}
+
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 static ssfr_result dry_run(sweep *s)
@@ -505,8 +518,8 @@ static ssfr_result run(sweep *s)
                            s->o->what     ? ssfr_interrupt_advice(!s->o->resume)
                            : s->o->output ? "the same command with --resume goes on from there"
                                           : "");
-    else if (s->o->output && !s->o->no_plot)
-        SSFR_TRY(ssfr_figures_draw(s->o->output, s->spec));
+    if (result == SSFR_OK && s->o->output) SSFR_TRY(save_means(s));
+    if (result == SSFR_OK && s->o->output && !s->o->no_plot) SSFR_TRY(ssfr_figures_draw(s->o->output, s->spec));
 end:
     return result;
 }

@@ -126,6 +126,39 @@ static bool is_same(const foam *a, const foam *b)
     return memcmp(a, b, sizeof *a) == 0;
 }
 
+/* ---- no time ----------------------------------------------------------------------------------------------------- */
+
+/* Fades do not go on in it. */
+static void frames_of_one_time_are_played_too(void **state)
+{
+    (void)state;
+    ssfr_stage_options options = options_of(NULL);
+    ssfr_stage *stage = NULL;
+    ssfr_graph *graph = NULL;
+    foam of[2];
+    options.frame = -1;
+    assert_int_equal(ssfr_stage_create(&stage, "pause", &options), SSFR_OK);
+    assert_true(stage->n_frames == 2 && stage->frame == 1 && stage->time == 0 && stage->scene.timed);
+    assert_int_equal(ssfr_graph_create(&graph, ssfr_pipeline_find("bagar2010"), NULL), SSFR_OK);
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(ssfr_graph_set(graph, "weber.lag", "0"), SSFR_OK);
+        assert_int_equal(ssfr_graph_set(graph, "weber.start", "water"), SSFR_OK);
+        assert_int_equal(ssfr_graph_set(graph, "weber.threshold", "1000"), SSFR_OK);
+        assert_int_equal(ssfr_graph_set(graph, "weber.fade_in_min", k ? "0.25" : "0"), SSFR_OK);
+        assert_int_equal(ssfr_graph_set(graph, "weber.fade_in_max", k ? "0.5" : "0"), SSFR_OK);
+        assert_int_equal(ssfr_play(graph, stage, &options, -1), SSFR_OK);
+        assert_int_equal(ssfr_graph_run(graph, &stage->scene, NULL), SSFR_OK);
+        const float *foam;
+        size_t n;
+        assert_int_equal(ssfr_graph_read_values(graph, "foam", &n, &foam), SSFR_OK);
+        of[k] = (struct foam){.n = n, .foam = {foam[0]}};
+    }
+    assert_true(of[0].n == 1600 && of[0].foam[0] == 1); /* a fade of no time is over in no time */
+    assert_true(of[1].foam[0] == 0);
+    ssfr_graph_destroy(&graph);
+    ssfr_stage_destroy(&stage);
+}
+
 /* ---- what is played ---------------------------------------------------------------------------------------------- */
 
 static void a_frame_after_playing_has_the_bits_of_a_run_over_them_all(void **state)
@@ -295,6 +328,7 @@ static void the_runs_of_a_sweep_are_of_a_frame_after_playing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_of_one_time_are_played_too),
         cmocka_unit_test(a_frame_after_playing_has_the_bits_of_a_run_over_them_all),
         cmocka_unit_test(history_goes_on_from_the_frame_drawn_before),
         cmocka_unit_test(what_has_been_seen_or_has_no_history_is_not_played),

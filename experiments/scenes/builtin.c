@@ -259,6 +259,8 @@ static const ssfr_builtin builtins[] = {
      .floor = NAN},
     {.name = "drift", .help = "the plane, every particle at 1 m/s", .make = make_drift, .from = {0, 0, 1},
      .floor = NAN},
+    {.name = "pause", .help = "two frames of drift with no time between them", .make = make_drift, .n_frames = 2,
+     .from = {0, 0, 1}, .floor = NAN},
     {.name = "heap", .help = "800 particles of radius 1 m at one place, each other of them foam", .make = make_heap,
      .from = {0, 0, 1}, .floor = NAN},
     {.name = "horizon", .help = "water, foam and spray from 1 m to 100 km before the camera `along`",

@@ -10,6 +10,7 @@ typedef struct ssfr_builtin {
     const char *name, *help;
     /* Makes the particles; the same seed gives the same bits. */
     ssfr_result (*make)(ssfr_particles **out, uint64_t seed);
+    int n_frames;   /* which are all of the same time; 0: one picture, of none */
     double from[3]; /* world direction from the middle towards the eye; zero: the default of a bare file */
     double top;     /* m, world y: the default view frames what is below it; 0: everything */
     double floor;   /* m, world y; NaN: just below the particles; -inf: none */
