@@ -113,7 +113,7 @@ static void nearest_repeats_each_low_pixel(void **state)
  * further off. */
 static void nothing_bleeds_across_a_step(void **state)
 {
-    test_twin *t = begin(state, 0);
+    test_twin *t = begin(state, -2.5);
     ssfr_field *guide = test_field(W, H, 1), *low = test_field(W / 4, H / 4, 1);
     for (int i = 0; i < W * H; i++) guide->data[i] = i % W < 22 ? -2 : -2.75;
     for (int i = 0; i < low->w * low->h; i++) low->data[i] = i % low->w < 6 ? -2.125 : -2.875;
@@ -129,7 +129,7 @@ static void nothing_bleeds_across_a_step(void **state)
 /* Where no low neighbour is the pixel's own surface, it stays as it was. */
 static void strays_keep_their_own_depth(void **state)
 {
-    test_twin *t = begin(state, 0);
+    test_twin *t = begin(state, -2.5);
     ssfr_field *guide = test_field_filled(W, H, 1, -2.5);
     *ssfr_field_at(guide, 17, 13) = -9.25;
     test_twin_give(t, "guide", guide);
@@ -143,7 +143,7 @@ static void strays_keep_their_own_depth(void **state)
 /* Holes of the low image do not pull, holes of the guide stay, and a low image of holes leaves the guide. */
 static void nothing_bleeds_into_or_from_empty_pixels(void **state)
 {
-    test_twin *t = begin(state, 0);
+    test_twin *t = begin(state, -2.5);
     ssfr_field *guide = test_field(W, H, 1), *low = test_field(W / 4, H / 4, 1);
     uint64_t random = 3;
     for (int i = 0; i < W * H; i++) guide->data[i] = test_random(&random, 0, 1) < 0.7 ? -2.5 : -SSFR_EMPTY;
