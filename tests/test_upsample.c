@@ -140,6 +140,24 @@ static void strays_keep_their_own_depth(void **state)
     }
 }
 
+/* However little it weighs: of eighth resolution and a cubic filter the corner of 4 x 4, (1/16)^6 / 36 of the whole. What
+ * is as far as the falloff belongs to the surface, too. */
+static void the_last_pixel_of_its_surface_tells_the_depth(void **state)
+{
+    test_twin *t = begin(state, -2.5);
+    for (int k = 0; k < 2; k++) {
+        ssfr_field *low = test_field_filled(W / 8, H / 8, 1, -9.25);
+        *ssfr_field_at(low, 3, 3) = k ? -3 : -2.625;
+        const ssfr_field *cubic = run(t, "cubic", low), *linear = run(t, "linear", low);
+        assert_close(*ssfr_field_at(cubic, 12, 12), *ssfr_field_at(low, 3, 3), 0, t->eps);
+        assert_true(*ssfr_field_at(cubic, 11, 12) == -2.5);
+        assert_close(*ssfr_field_at(linear, 20, 20), *ssfr_field_at(low, 3, 3), 0, t->eps);
+        assert_true(*ssfr_field_at(linear, 19, 20) == -2.5);
+    }
+    ssfr_field *low = test_field_filled(W / 8, H / 8, 1, -3.0625); /* beyond the falloff of 0.5 m */
+    assert_true(test_difference(run(t, "cubic", low), test_field_filled(W, H, 1, -2.5)) == 0);
+}
+
 /* Holes of the low image do not pull, holes of the guide stay, and a low image of holes leaves the guide. */
 static void nothing_bleeds_into_or_from_empty_pixels(void **state)
 {
@@ -235,6 +253,7 @@ int main(void)
         TEST_TWINS(nearest_repeats_each_low_pixel),
         TEST_TWINS(nothing_bleeds_across_a_step),
         TEST_TWINS(strays_keep_their_own_depth),
+        TEST_TWINS(the_last_pixel_of_its_surface_tells_the_depth),
         TEST_TWINS(nothing_bleeds_into_or_from_empty_pixels),
         TEST_TWINS(constant_depth_of_odd_size_comes_back_to_the_border),
         TEST_TWINS(slope_of_odd_size_comes_back_inside),
