@@ -237,6 +237,27 @@ static void full_resolution_needs_no_pass(void **state)
     }
 }
 
+static void nothing_runs_without_fluid(void **state)
+{
+    static const double behind[1][3] = {{0, 0, 5}};
+    ssfr_node_status status;
+    test_twin *t = test_twin_create_for(state, &there_and_back, W, H);
+    test_twin_place(t, 1, behind, 0.1, NULL);
+    assert_int_equal(test_count(test_twin_run_if_needed(t, "surface_depth", &status)), 0);
+    for (int i = 0; i < 2; i++) assert_int_equal(ssfr_graph_report(t->graph)->nodes[i].status, SSFR_NEEDLESS);
+}
+
+/* Samples a pixel: the guide, and 1, 2 x 2 or 4 x 4 of the depth. */
+static void the_report_counts_the_samples_of_a_filter(void **state)
+{
+    static const double taps[] = {2, 5, 17};
+    test_twin *t = begin(state, -2.5);
+    for (size_t f = 0; f < SSFR_COUNT(filters); f++) {
+        run(t, filters[f], sample(bowl, 2));
+        assert_true(ssfr_graph_report(t->graph)->nodes[0].taps == taps[f]);
+    }
+}
+
 static void upsample_refuses_values_out_of_range(void **state)
 {
     test_twin *t = begin(state, -2.5);
@@ -258,6 +279,8 @@ int main(void)
         TEST_TWINS(constant_depth_of_odd_size_comes_back_to_the_border),
         TEST_TWINS(slope_of_odd_size_comes_back_inside),
         TEST_TWINS(full_resolution_needs_no_pass),
+        TEST_TWINS(nothing_runs_without_fluid),
+        TEST_TWINS(the_report_counts_the_samples_of_a_filter),
         TEST_TWINS(upsample_refuses_values_out_of_range),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);
