@@ -198,6 +198,24 @@ static void no_radius_or_no_iterations_gives_the_input_on(void **state)
         }
 }
 
+static void nothing_runs_without_fluid(void **state)
+{
+    ssfr_node_status status;
+    test_twin *t = begin(state, W, H);
+    assert_int_equal(test_count(test_twin_run_if_needed(t, "smooth", &status)), 0);
+    assert_int_equal(status, SSFR_NEEDLESS);
+}
+
+/* Eq. 3.1 has the width of the image: where pixels are not square C is that along x (erratum B6). */
+static void the_radius_is_measured_along_rows(void **state)
+{
+    test_twin *t = begin(state, W, H);
+    t->scene.camera.tan_x *= 1.7;
+    set_radius(t, 1.7);
+    smooth(t, rounded(t, test_field_filled(W, H, 1, terraces[0])));
+    assert_true(report(t)->iterations == paper_steps(t, 1.7, terraces[0]));
+}
+
 /* With `steps` the radius has no meaning, and 0 does not stop it. */
 static void steps_are_the_plain_flow(void **state)
 {
@@ -262,6 +280,11 @@ static void the_report_says_how_many_sweeps_there_were(void **state)
     smooth(t, flat);
     assert_true(report(t)->iterations == n && report(t)->taps == 9.0 * n);
     const double bytes = report(t)->bytes;
+    test_twin_set(t, "copy", "1");
+    smooth(t, flat);
+    assert_true(report(t)->taps == (t->gl ? 10.0 : 9.0) * n);
+    assert_close(report(t)->bytes - bytes, t->gl ? n * 2.0 * sizeof(float) * W * H : 0, 0, 1e-12);
+    test_twin_set(t, "copy", "0");
     test_twin_set(t, "stop", "none");
     test_twin_set(t, "cross_term", "0");
     smooth(t, flat);
@@ -645,6 +668,8 @@ int main(void)
         TEST_TWINS(every_pixel_takes_the_steps_of_the_listing),
         TEST_TWINS(the_number_of_steps_is_capped),
         TEST_TWINS(no_radius_or_no_iterations_gives_the_input_on),
+        TEST_TWINS(nothing_runs_without_fluid),
+        TEST_TWINS(the_radius_is_measured_along_rows),
         TEST_TWINS(steps_are_the_plain_flow),
         TEST_TWINS(all_stops_and_copies_give_the_same_bits),
         TEST_TWINS(the_report_says_how_many_sweeps_there_were),
