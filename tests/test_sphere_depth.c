@@ -400,6 +400,26 @@ static void scene_hides_what_is_behind_it(void **state)
     }
 }
 
+/* The same places twice cover the same pixels: what is more is a vertex, or four, and a position for each particle. */
+static void the_report_counts_vertices_and_positions(void **state)
+{
+    static const char *const forms[] = {"point", "quad", "exact"};
+    static const double c[4][3] = {{0, 0.1, -2}, {0.3, 0, -2}, {0, 0.1, -2}, {0.3, 0, -2}};
+    test_twin *t = test_twin_create(state, "sphere_depth", 16, 16);
+    for (int f = 0; f < 3; f++) {
+        double vertices[2], bytes[2];
+        test_twin_set(t, "splat", "%s", forms[f]);
+        for (size_t k = 0; k < 2; k++) {
+            test_twin_place(t, 2 + 2 * k, c, 0.3, NULL);
+            test_twin_run(t, "depth");
+            vertices[k] = ssfr_graph_report(t->graph)->nodes[0].vertices;
+            bytes[k] = ssfr_graph_report(t->graph)->nodes[0].bytes;
+        }
+        assert_true(vertices[0] == (f ? 8 : 2) && vertices[1] == 2 * vertices[0]);
+        assert_true(bytes[1] - bytes[0] == 2 * 3 * sizeof(float));
+    }
+}
+
 static void splats_are_left_out_without_particles_in_view(void **state)
 {
     static const double behind[1][3] = {{0, 0, 5}};
@@ -446,6 +466,7 @@ int main(void)
         TEST_GPU(points_larger_than_the_gpu_draws_are_refused),
         TEST_TWINS(tiny_spheres_draw_one_pixel_or_none),
         TEST_TWINS(scene_hides_what_is_behind_it),
+        TEST_TWINS(the_report_counts_vertices_and_positions),
         TEST_TWINS(splats_are_left_out_without_particles_in_view),
         TEST_TWINS(splats_refuse_values_out_of_range),
     };
