@@ -507,6 +507,21 @@ static void parts_of_steps_add_up(void **state)
     assert_true(report(t)->iterations == 4 * paper_steps(t, r_w, terraces[0]));
 }
 
+/* What counts as far bears a longer step: parts are those of the distance that it counts as. */
+static void parts_know_the_threshold(void **state)
+{
+    test_twin *t = begin(state, W, H);
+    const ssfr_field *flat = rounded(t, test_field_filled(W, H, 1, terraces[0]));
+    test_twin_set(t, "unstable", "substep");
+    set_radius(t, 1.7);
+    for (int k = 0; k < 2; k++) {
+        test_twin_set(t, "threshold_min", "%d", 5 * k);
+        set_dt(t, 3.1 * bound(t, k ? 5 : terraces[0]));
+        smooth(t, flat);
+        assert_true(report(t)->iterations == 4 * paper_steps(t, 1.7, terraces[0]));
+    }
+}
+
 static void step_is_a_share_of_the_bound_of_the_evolution(void **state)
 {
     test_twin *t = begin(state, W, H);
@@ -682,6 +697,7 @@ int main(void)
         TEST_CPU(over_depth_smooths_alike_in_a_fixed_number_of_steps),
         TEST_TWINS(ripples_grow_only_where_that_is_allowed_and_that_is_said),
         TEST_TWINS(parts_of_steps_add_up),
+        TEST_TWINS(parts_know_the_threshold),
         TEST_TWINS(step_is_a_share_of_the_bound_of_the_evolution),
         TEST_TWINS(threshold_makes_near_surfaces_count_as_far),
         TEST_TWINS(a_plane_that_faces_the_eye_stays),
