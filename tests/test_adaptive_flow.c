@@ -562,6 +562,13 @@ static void threshold_makes_near_surfaces_count_as_far(void **state)
             const double before = *ssfr_field_at(near, x, y);
             assert_close(*ssfr_field_at(limited, x, y) - before, -1.8 * (before + 1), 8 * t->eps, 1e-3);
         }
+    test_twin_set(t, "unstable", "allow");
+    set_dt(t, 0.99 * bound(t, 2));
+    smooth(t, near);
+    assert_true(report(t)->unstable == 0);
+    test_twin_set(t, "threshold_min", "0");
+    smooth(t, near);
+    assert_true(report(t)->unstable == W * H);
 }
 
 /* ---- extremes ---------------------------------------------------------------------------------------------------- */
