@@ -437,6 +437,20 @@ static void step_without_particles_knows_the_depth_that_is_given(void **state)
 
 /* ---- silhouettes ------------------------------------------------------------------------------------------------- */
 
+/* A step as high as the falloff is none beyond it: listing A.13 compares by >. */
+static void a_step_of_the_falloff_is_smoothed(void **state)
+{
+    test_twin *t = begin(state, 32, 24, 0.5, 1);
+    ssfr_field *depth = test_field_filled(32, 24, 1, -2.5);
+    *ssfr_field_at(depth, 16, 12) = -2.25;
+    for (int k = 0; k < 2; k++) {
+        test_twin_set(t, "depth_falloff", "%s", k ? "0.0249" : "0.025"); /* 0.25 m */
+        const ssfr_field *smooth = flow(t, depth, 1, 0.5 * bound(t, 2.25));
+        assert_int_equal(test_same_bits(smooth, depth), k);
+        assert_int_equal(*ssfr_field_at(smooth, 16, 12) < -2.25, 1 - k);
+    }
+}
+
 /* Noise on both sides of a step, and holes. */
 static ssfr_field *cliff(double far_side, bool holes)
 {
@@ -670,6 +684,7 @@ int main(void)
         TEST_TWINS(a_step_beyond_the_bound_is_cut_into_equal_parts),
         TEST_TWINS(step_is_a_share_of_the_bound_at_a_distance),
         TEST_TWINS(step_without_particles_knows_the_depth_that_is_given),
+        TEST_TWINS(a_step_of_the_falloff_is_smoothed),
         TEST_TWINS(nothing_crosses_a_step_beyond_the_falloff),
         TEST_TWINS(holes_stay_and_pull_nothing),
         TEST_TWINS(not_a_number_is_a_hole),
