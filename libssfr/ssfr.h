@@ -443,9 +443,10 @@ SSFR_API void ssfr_graph_want_all(ssfr_graph *graph, bool all);
 /* Gives a slot from outside instead of by its node: a field (copied), or the host's texture (GL; row 0 on top). NULL
  * and texture 0 take it back. The run fails when the size does not fit its frame: that of the camera, or that over a
  * power of two up to 32, rounded up; or one pixel for all, but of a depth of the fluid. Maps of the light may have any.
- * A depth of the fluid needs no particles, but a radius where parameters are in particle radii: that of
- * scene.particles, whose n may be 0. How far the fluid is, is measured in fields alone: a texture without particles in
- * view counts as at the near plane, and then curvature_flow.dt should be set; shadows are looked for to camera.far. */
+ * A depth of the fluid has z < 0 where it is a surface, which is checked in fields alone. It needs no particles, but a
+ * radius where parameters are in particle radii: that of scene.particles, whose n may be 0. How far the fluid is, is
+ * measured in fields, too: a texture without particles in view counts as at the near plane, and then curvature_flow.dt
+ * should be set; shadows are looked for to camera.far. */
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_field *field);
 SSFR_API SSFR_MUST ssfr_result ssfr_graph_import_texture(ssfr_graph *graph, const char *slot, unsigned texture);
 /* Writes the pipeline's result into the host's RGBA32F texture of the camera's size; 0: no longer. */

@@ -32,7 +32,7 @@ float interpolate(float guide, vec2 p)
             sum += wx[i] * wy[j] * (z - guide); // relative: fewer digits are lost
             weight += wx[i] * wy[j];
         }
-    return weight > 1e-6 ? guide + sum / weight : guide;
+    return weight > 0.0 ? guide + sum / weight : guide;
 }
 
 void main()

@@ -198,6 +198,24 @@ static void no_radius_or_no_iterations_gives_the_input_on(void **state)
         }
 }
 
+static void nothing_runs_without_fluid(void **state)
+{
+    ssfr_node_status status;
+    test_twin *t = begin(state, W, H);
+    assert_int_equal(test_count(test_twin_run_if_needed(t, "smooth", &status)), 0);
+    assert_int_equal(status, SSFR_NEEDLESS);
+}
+
+/* Eq. 3.1 has the width of the image: where pixels are not square C is that along x (erratum B6). */
+static void the_radius_is_measured_along_rows(void **state)
+{
+    test_twin *t = begin(state, W, H);
+    t->scene.camera.tan_x *= 1.7;
+    set_radius(t, 1.7);
+    smooth(t, rounded(t, test_field_filled(W, H, 1, terraces[0])));
+    assert_true(report(t)->iterations == paper_steps(t, 1.7, terraces[0]));
+}
+
 /* With `steps` the radius has no meaning, and 0 does not stop it. */
 static void steps_are_the_plain_flow(void **state)
 {
@@ -262,6 +280,11 @@ static void the_report_says_how_many_sweeps_there_were(void **state)
     smooth(t, flat);
     assert_true(report(t)->iterations == n && report(t)->taps == 9.0 * n);
     const double bytes = report(t)->bytes;
+    test_twin_set(t, "copy", "1");
+    smooth(t, flat);
+    assert_true(report(t)->taps == (t->gl ? 10.0 : 9.0) * n);
+    assert_close(report(t)->bytes - bytes, t->gl ? n * 2.0 * sizeof(float) * W * H : 0, 0, 1e-12);
+    test_twin_set(t, "copy", "0");
     test_twin_set(t, "stop", "none");
     test_twin_set(t, "cross_term", "0");
     smooth(t, flat);
@@ -484,6 +507,21 @@ static void parts_of_steps_add_up(void **state)
     assert_true(report(t)->iterations == 4 * paper_steps(t, r_w, terraces[0]));
 }
 
+/* What counts as far bears a longer step: parts are those of the distance that it counts as. */
+static void parts_know_the_threshold(void **state)
+{
+    test_twin *t = begin(state, W, H);
+    const ssfr_field *flat = rounded(t, test_field_filled(W, H, 1, terraces[0]));
+    test_twin_set(t, "unstable", "substep");
+    set_radius(t, 1.7);
+    for (int k = 0; k < 2; k++) {
+        test_twin_set(t, "threshold_min", "%d", 5 * k);
+        set_dt(t, 3.1 * bound(t, k ? 5 : terraces[0]));
+        smooth(t, flat);
+        assert_true(report(t)->iterations == 4 * paper_steps(t, 1.7, terraces[0]));
+    }
+}
+
 static void step_is_a_share_of_the_bound_of_the_evolution(void **state)
 {
     test_twin *t = begin(state, W, H);
@@ -524,6 +562,13 @@ static void threshold_makes_near_surfaces_count_as_far(void **state)
             const double before = *ssfr_field_at(near, x, y);
             assert_close(*ssfr_field_at(limited, x, y) - before, -1.8 * (before + 1), 8 * t->eps, 1e-3);
         }
+    test_twin_set(t, "unstable", "allow");
+    set_dt(t, 0.99 * bound(t, 2));
+    smooth(t, near);
+    assert_true(report(t)->unstable == 0);
+    test_twin_set(t, "threshold_min", "0");
+    smooth(t, near);
+    assert_true(report(t)->unstable == W * H);
 }
 
 /* ---- extremes ---------------------------------------------------------------------------------------------------- */
@@ -645,6 +690,8 @@ int main(void)
         TEST_TWINS(every_pixel_takes_the_steps_of_the_listing),
         TEST_TWINS(the_number_of_steps_is_capped),
         TEST_TWINS(no_radius_or_no_iterations_gives_the_input_on),
+        TEST_TWINS(nothing_runs_without_fluid),
+        TEST_TWINS(the_radius_is_measured_along_rows),
         TEST_TWINS(steps_are_the_plain_flow),
         TEST_TWINS(all_stops_and_copies_give_the_same_bits),
         TEST_TWINS(the_report_says_how_many_sweeps_there_were),
@@ -657,6 +704,7 @@ int main(void)
         TEST_CPU(over_depth_smooths_alike_in_a_fixed_number_of_steps),
         TEST_TWINS(ripples_grow_only_where_that_is_allowed_and_that_is_said),
         TEST_TWINS(parts_of_steps_add_up),
+        TEST_TWINS(parts_know_the_threshold),
         TEST_TWINS(step_is_a_share_of_the_bound_of_the_evolution),
         TEST_TWINS(threshold_makes_near_surfaces_count_as_far),
         TEST_TWINS(a_plane_that_faces_the_eye_stays),

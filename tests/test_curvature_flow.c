@@ -376,24 +376,28 @@ static void pixels_that_step_beyond_their_bound_are_counted(void **state)
     }
 }
 
-/* 5.3 times the bound of the nearest pixel is cut into ceil(5.3 / 0.9) = 6 parts. */
+/* 5.6 times the bound of the nearest pixel is cut into ceil(5.6 / 0.9) = 7 parts; off the axis the bound is that of the
+ * image's corner. */
 static void a_step_beyond_the_bound_is_cut_into_equal_parts(void **state)
 {
     static const double behind[1][3] = {{0, 0, 11}}; /* how near the fluid is, the depth alone tells */
     test_twin *t = begin(state, 32, 24, 0.5, 1);
-    const double z0 = -2.5, a = 1e-3, dt = 5.3 * bound(t, z0 + a);
+    const double z0 = -2.5, a = 1e-3, dt = 5.6 * bound(t, z0 + a);
     ssfr_field *board = checkerboard(32, 24, z0, a);
     if (t->gl) ssfr_field_round(board);
     test_twin_place(t, 1, behind, 10, NULL);
-    const ssfr_field *parts = flow(t, board, 18, dt / 6);
+    const ssfr_field *parts = flow(t, board, 21, dt / 7);
     test_twin_set(t, "unstable", "substep");
     assert_true(test_same_bits(flow(t, board, 3, dt), parts));
     assert_true(roughness(parts, z0) < 0.1 * a);
-    assert_true(ssfr_graph_report(t->graph)->nodes->iterations == 18);
-    assert_true(test_same_bits(flow(t, board, 18, dt / 6), parts)); /* which needs no cut */
-    test_clear_log();
+    assert_true(ssfr_graph_report(t->graph)->nodes->iterations == 21);
+    assert_true(test_same_bits(flow(t, board, 21, dt / 7), parts)); /* which needs no cut */
     assert_true(roughness(flow(t, board, 2, 1e9), z0) < 0.1 * a);
-    assert_true(ssfr_graph_report(t->graph)->nodes->iterations == 2 * SSFR_CURVATURE_FLOW_PARTS);
+    assert_true(ssfr_graph_report(t->graph)->nodes->iterations == 2 * 64); /* at most */
+    test_twin_set(t, "off_axis", "1");
+    const double corner = pow(1 + 0.25 + ssfr_square(0.5 * 32 / 24), 1.5);
+    assert_true(roughness(flow(t, board, 2, dt), z0) < 0.5 * a);
+    assert_true(ssfr_graph_report(t->graph)->nodes->iterations == 2 * ceil(5.6 / 0.9 * corner));
 }
 
 /* `step` is a share of the bound at the mean or the nearest distance; off the axis that of the image's corner. */
@@ -432,6 +436,20 @@ static void step_without_particles_knows_the_depth_that_is_given(void **state)
 }
 
 /* ---- silhouettes ------------------------------------------------------------------------------------------------- */
+
+/* A step as high as the falloff is none beyond it: listing A.13 compares by >. */
+static void a_step_of_the_falloff_is_smoothed(void **state)
+{
+    test_twin *t = begin(state, 32, 24, 0.5, 1);
+    ssfr_field *depth = test_field_filled(32, 24, 1, -2.5);
+    *ssfr_field_at(depth, 16, 12) = -2.25;
+    for (int k = 0; k < 2; k++) {
+        test_twin_set(t, "depth_falloff", "%s", k ? "0.0249" : "0.025"); /* 0.25 m */
+        const ssfr_field *smooth = flow(t, depth, 1, 0.5 * bound(t, 2.25));
+        assert_int_equal(test_same_bits(smooth, depth), k);
+        assert_int_equal(*ssfr_field_at(smooth, 16, 12) < -2.25, 1 - k);
+    }
+}
 
 /* Noise on both sides of a step, and holes. */
 static ssfr_field *cliff(double far_side, bool holes)
@@ -477,6 +495,21 @@ static void holes_stay_and_pull_nothing(void **state)
             assert_int_equal(ssfr_is_surface(smooth->data[i]), ssfr_is_surface(depth->data[i]));
             if (ssfr_is_surface(depth->data[i])) assert_true(fabs(smooth->data[i] + 2.5) < 0.011);
         }
+    }
+}
+
+/* Whatever is no surface. */
+static void not_a_number_is_a_hole(void **state)
+{
+    test_twin *t = begin(state, 32, 24, 0.5, 1);
+    ssfr_field *empty = draw(t, quadratic_surface), *nan = draw(t, quadratic_surface);
+    for (int i = 0; i < 32 * 24; i += 5) empty->data[i] = -SSFR_EMPTY, nan->data[i] = i % 2 ? NAN : -INFINITY;
+    for (int k = 0; k < 4; k++) {
+        test_twin_set(t, "off_axis", "%d", k / 2);
+        test_twin_set(t, "cross_term", "%d", k % 2);
+        const ssfr_field *expected = flow(t, empty, 3, 0.5 * bound(t, 2.5)), *got = flow(t, nan, 3, 0.5 * bound(t, 2.5));
+        for (int i = 0; i < 32 * 24; i++)
+            assert_true(i % 5 == 0 ? !ssfr_is_surface(got->data[i]) : got->data[i] == expected->data[i]);
     }
 }
 
@@ -651,8 +684,10 @@ int main(void)
         TEST_TWINS(a_step_beyond_the_bound_is_cut_into_equal_parts),
         TEST_TWINS(step_is_a_share_of_the_bound_at_a_distance),
         TEST_TWINS(step_without_particles_knows_the_depth_that_is_given),
+        TEST_TWINS(a_step_of_the_falloff_is_smoothed),
         TEST_TWINS(nothing_crosses_a_step_beyond_the_falloff),
         TEST_TWINS(holes_stay_and_pull_nothing),
+        TEST_TWINS(not_a_number_is_a_hole),
         TEST_TWINS(a_pixel_without_neighbours_stays),
         TEST_TWINS(tilted_plane_is_a_fixed_point_off_the_axis),
         TEST_TWINS(tilted_plane_recedes_in_the_printed_form),

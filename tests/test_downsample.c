@@ -121,6 +121,27 @@ static void full_resolution_needs_no_pass(void **state)
     assert_true(test_same_bits(low, test_twin_run(t, "low")));
 }
 
+static void nothing_runs_without_fluid(void **state)
+{
+    static const double behind[1][3] = {{0, 0, 5}};
+    ssfr_node_status status;
+    test_twin *t = test_twin_create(state, "downsample", W, H);
+    test_twin_place(t, 1, behind, 0.1, NULL);
+    assert_int_equal(test_count(test_twin_run_if_needed(t, "low", &status)), 0);
+    assert_int_equal(status, SSFR_NEEDLESS);
+}
+
+/* Samples a pixel of the result. */
+static void the_report_counts_the_samples_of_a_block(void **state)
+{
+    test_twin *t = begin(state, "4");
+    test_twin_run(t, "low");
+    assert_true(ssfr_graph_report(t->graph)->nodes[0].taps == 16);
+    test_twin_set(t, "rule", "nearest");
+    test_twin_run(t, "low");
+    assert_true(ssfr_graph_report(t->graph)->nodes[0].taps == 1);
+}
+
 static void downsample_refuses_other_factors_and_rules(void **state)
 {
     test_twin *t = begin(state, "2");
@@ -137,6 +158,8 @@ int main(void)
         TEST_TWINS(nothing_is_left_where_there_was_nothing),
         TEST_TWINS(last_column_and_row_are_not_lost),
         TEST_TWINS(full_resolution_needs_no_pass),
+        TEST_TWINS(nothing_runs_without_fluid),
+        TEST_TWINS(the_report_counts_the_samples_of_a_block),
         TEST_TWINS(downsample_refuses_other_factors_and_rules),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

@@ -95,6 +95,21 @@ static void a_wider_reach_brings_particles_into_view(void **state)
     test_scene_destroy(&s);
 }
 
+/* Its centre is half a radius over the image's upper edge. */
+static void a_sphere_that_reaches_into_view_counts_in_the_mean(void **state)
+{
+    (void)state;
+    test_scene s;
+    ssfr_frame frame = {0};
+    test_scene_create(&s, 1, (const double[3]){0, 3 / sqrt(3) + 0.1, -3}, 0.2);
+    test_scene_look(&s, (const double[3]){0, 0, 0}, (const double[3]){0, 0, -1}, 60, 320, 200);
+    prepare(&frame, &s.scene, 1, false);
+    assert_close(frame.facts.mean, 3, 0, 1e-15);
+    assert_close(frame.facts.nearest, 2.8, 0, 1e-15);
+    ssfr_frame_finish(&frame);
+    test_scene_destroy(&s);
+}
+
 static void no_particles_make_no_facts(void **state)
 {
     (void)state;
@@ -601,6 +616,7 @@ int main(void)
         cmocka_unit_test(particles_out_of_view_are_culled),
         cmocka_unit_test(what_is_before_the_near_plane_is_culled),
         cmocka_unit_test(a_wider_reach_brings_particles_into_view),
+        cmocka_unit_test(a_sphere_that_reaches_into_view_counts_in_the_mean),
         cmocka_unit_test(no_particles_make_no_facts),
         cmocka_unit_test(the_mean_distance_weighs_packets_by_particles),
         cmocka_unit_test(neighbouring_packets_make_one_range),

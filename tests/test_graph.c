@@ -447,6 +447,26 @@ static void given_images_of_wrong_shape_are_refused(void **state)
     test_scene_destroy(&s);
 }
 
+static void given_depths_are_before_the_eye(void **state)
+{
+    static const char *const slots[] = {"fluid_depth", "low_depth", "smooth_depth", "surface_depth"};
+    ssfr_graph *graph = test_graph(van_der_laan(), test_backend(state));
+    ssfr_field *depth = test_image(64, 48, 1, -2.385);
+    for (size_t i = 0; i < SSFR_COUNT(slots); i++) {
+        *ssfr_field_at(depth, 7, 5) = 0;
+        assert_fails(SSFR_ERR_VALUE, ssfr_graph_import(graph, slots[i], depth), "pixel 7,5 is at z = 0 m");
+        *ssfr_field_at(depth, 7, 5) = SSFR_EMPTY; /* of a map of the farthest */
+        assert_int_equal(ssfr_graph_import(graph, slots[i], depth), SSFR_OK);
+        *ssfr_field_at(depth, 63, 47) = 1e-30;
+        assert_fails(SSFR_ERR_VALUE, ssfr_graph_import(graph, slots[i], depth), "pixel 63,47 is at z = 1e-30 m");
+        *ssfr_field_at(depth, 63, 47) = NAN;
+        assert_int_equal(ssfr_graph_import(graph, slots[i], depth), SSFR_OK);
+        *ssfr_field_at(depth, 63, 47) = -2.385;
+    }
+    ssfr_field_destroy(&depth);
+    ssfr_graph_destroy(&graph);
+}
+
 static void one_pixel_given_serves_the_whole_frame(void **state)
 {
     ssfr_gl *gl = test_backend(state);
@@ -1038,6 +1058,7 @@ int main(void)
         ON_BOTH(given_depth_hides_the_fluid_behind_it),
         ON_BOTH(images_given_later_replace_earlier_ones),
         ON_BOTH(given_images_of_wrong_shape_are_refused),
+        ON_BOTH(given_depths_are_before_the_eye),
         ON_BOTH(one_pixel_given_serves_the_whole_frame),
         ON_BOTH(given_fluid_needs_no_particles),
         ON_BOTH(memory_is_that_of_the_report),

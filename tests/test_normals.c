@@ -211,6 +211,33 @@ static void smaller_difference_is_the_smaller_one(void **state)
     assert_true(apart(n, expected) < 8 * t->eps);
 }
 
+/* Of two that are as steep the one after: rightwards in x, upwards in y. */
+static void of_equal_differences_the_one_after_is_taken(void **state)
+{
+    test_twin *t = begin(state, 3, 3, 0.5, 0.5);
+    ssfr_field *depth = test_field_filled(3, 3, 1, -4);
+    double expected[3] = {3, 3, 3.25}; /* p = q = -1 / c; c = 1/3 */
+    *ssfr_field_at(depth, 0, 1) = *ssfr_field_at(depth, 2, 1) = -4.25;
+    *ssfr_field_at(depth, 1, 0) = *ssfr_field_at(depth, 1, 2) = -4.25;
+    *ssfr_field_at(depth, 1, 1) = -3.25;
+    test_twin_set(t, "depth_falloff", "0.01");
+    ssfr_normalize(expected);
+    assert_true(apart(ssfr_field_at(run(t, depth), 1, 1), expected) < 8 * t->eps);
+}
+
+/* Whatever is no surface: the slope is that of the other side. */
+static void not_a_number_is_a_hole(void **state)
+{
+    test_twin *t = begin(state, 33, 25, 0.7, 0.5);
+    ssfr_field *empty = draw(t, tilted, 1), *nan = draw(t, tilted, 1);
+    for (int i = 0; i < 33 * 25; i += 4) empty->data[i] = -SSFR_EMPTY, nan->data[i] = i % 8 ? NAN : INFINITY;
+    for (int k = 0; k < 2; k++) {
+        test_twin_set(t, "edge", "%s", k ? "central" : "smaller");
+        const ssfr_field *expected = run(t, empty);
+        assert_true(test_same_bits(run(t, nan), expected));
+    }
+}
+
 static void isolated_pixel_faces_the_eye(void **state)
 {
     test_twin *t = begin(state, 9, 7, 0.7, 0.5);
@@ -282,6 +309,8 @@ int main(void)
         TEST_TWINS(sphere_is_right_to_second_order),
         TEST_TWINS(smaller_difference_does_not_look_across_a_silhouette),
         TEST_TWINS(smaller_difference_is_the_smaller_one),
+        TEST_TWINS(of_equal_differences_the_one_after_is_taken),
+        TEST_TWINS(not_a_number_is_a_hole),
         TEST_TWINS(isolated_pixel_faces_the_eye),
         TEST_TWINS(any_depth_gives_unit_normals_towards_the_eye),
         TEST_TWINS(normals_are_left_out_without_fluid),

@@ -166,6 +166,19 @@ static void sphere_larger_than_the_screen_fills_it(void **state)
     assert_int_equal(test_count(splat(t, "quad", c, 2.8)), 61 * 48);
 }
 
+/* Their middle lies less than a radius before the eye plane, whose outline has no tangent ahead. */
+static void spheres_beside_the_eye_are_seen_whole(void **state)
+{
+    static const double beside[][3] = {{0.9, 0.1, -0.3}, {-0.9, 0.1, -0.3}, {0.1, 0.7, -0.2}, {0.1, -0.7, -0.2}};
+    test_twin *t = test_twin_create(state, "sphere_depth", 81, 64);
+    t->scene.camera.tan_x = t->scene.camera.tan_y = 3;
+    for (size_t i = 0; i < SSFR_COUNT(beside); i++) {
+        const ssfr_field *depth = splat(t, "exact", beside[i], 0.41);
+        assert_true(test_count(depth) > 100);
+        assert_spheres(t, depth, 1, &beside[i], 0.41);
+    }
+}
+
 /* More than one packet, and spheres that hide each other. */
 static void plane_of_spheres_keeps_the_nearest_at_each_pixel(void **state)
 {
@@ -225,6 +238,25 @@ static void quads_and_points_follow_their_first_order_formula(void **state)
             assert_true(test_count(depth) > 100);
             assert_disc(t, depth, places[i], 0.41, k / 2 == 1);
         }
+}
+
+/* A disc of exactly four pixels' radius around the middle of one: where r^2 is 1 the listing does not discard, nor where
+ * the scene is as near. */
+static void the_rim_belongs_to_the_disc(void **state)
+{
+    static const char *const forms[] = {"point", "quad"};
+    static const double c[3] = {1.0 / 64, -1.0 / 64, -2};
+    test_twin *t = test_twin_create(state, "sphere_depth", 64, 64);
+    t->scene.camera.tan_x = t->scene.camera.tan_y = 0.5;
+    test_twin_give(t, "scene_depth", test_field_filled(64, 64, 1, -2));
+    for (int k = 0; k < 2; k++) {
+        const ssfr_field *depth = splat(t, forms[k], c, 0.125);
+        for (int side = -4; side <= 4; side += 8) {
+            assert_true(*ssfr_field_at(depth, 32 + side, 32) == -2);
+            assert_true(*ssfr_field_at(depth, 32, 32 + side) == -2);
+        }
+        assert_false(ssfr_is_surface(*ssfr_field_at(depth, 37, 32)));
+    }
 }
 
 /* The largest |quad - exact| / R where the sprite is flatter than 53 degrees. The view narrows with R: always the same
@@ -368,6 +400,26 @@ static void scene_hides_what_is_behind_it(void **state)
     }
 }
 
+/* The same places twice cover the same pixels: what is more is a vertex, or four, and a position for each particle. */
+static void the_report_counts_vertices_and_positions(void **state)
+{
+    static const char *const forms[] = {"point", "quad", "exact"};
+    static const double c[4][3] = {{0, 0.1, -2}, {0.3, 0, -2}, {0, 0.1, -2}, {0.3, 0, -2}};
+    test_twin *t = test_twin_create(state, "sphere_depth", 16, 16);
+    for (int f = 0; f < 3; f++) {
+        double vertices[2], bytes[2];
+        test_twin_set(t, "splat", "%s", forms[f]);
+        for (size_t k = 0; k < 2; k++) {
+            test_twin_place(t, 2 + 2 * k, c, 0.3, NULL);
+            test_twin_run(t, "depth");
+            vertices[k] = ssfr_graph_report(t->graph)->nodes[0].vertices;
+            bytes[k] = ssfr_graph_report(t->graph)->nodes[0].bytes;
+        }
+        assert_true(vertices[0] == (f ? 8 : 2) && vertices[1] == 2 * vertices[0]);
+        assert_true(bytes[1] - bytes[0] == 2 * 3 * sizeof(float));
+    }
+}
+
 static void splats_are_left_out_without_particles_in_view(void **state)
 {
     static const double behind[1][3] = {{0, 0, 5}};
@@ -401,9 +453,11 @@ int main(void)
         TEST_TWINS(sphere_behind_the_eye_draws_nothing),
         TEST_TWINS(sphere_that_straddles_the_near_plane_is_cut_by_it),
         TEST_TWINS(sphere_larger_than_the_screen_fills_it),
+        TEST_TWINS(spheres_beside_the_eye_are_seen_whole),
         TEST_TWINS(plane_of_spheres_keeps_the_nearest_at_each_pixel),
         TEST_TWINS(radius_scale_makes_the_sphere_larger),
         TEST_TWINS(quads_and_points_follow_their_first_order_formula),
+        TEST_TWINS(the_rim_belongs_to_the_disc),
         TEST_TWINS(quad_error_falls_as_radius_over_distance_on_the_axis),
         TEST_TWINS(quad_error_stays_off_the_axis),
         TEST_TWINS(point_sprites_are_cut_at_their_largest_size),
@@ -412,6 +466,7 @@ int main(void)
         TEST_GPU(points_larger_than_the_gpu_draws_are_refused),
         TEST_TWINS(tiny_spheres_draw_one_pixel_or_none),
         TEST_TWINS(scene_hides_what_is_behind_it),
+        TEST_TWINS(the_report_counts_vertices_and_positions),
         TEST_TWINS(splats_are_left_out_without_particles_in_view),
         TEST_TWINS(splats_refuse_values_out_of_range),
     };

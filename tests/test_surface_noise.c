@@ -50,6 +50,22 @@ static void every_id_has_noise_of_its_own(void **state)
     assert_true(test_same_bits(seven, again));
 }
 
+/* From far away a sphere's outline is a disc: its noise lies on it as on the sprite, the same way up. */
+static void all_splats_have_the_noise_the_same_way_up(void **state)
+{
+    static const double far[3] = {0.1, -0.05, -300};
+    static const char *const forms[] = {"point", "quad"};
+    test_twin *t = begin(state);
+    t->scene.camera.tan_x = 0.003, t->scene.camera.tan_y = 0.003 * H / W;
+    test_twin_give(t, "depth", test_field_filled(W, H, 1, -299));
+    const ssfr_field *exact = one(t, far, 0.8, 7);
+    assert_true(largest(exact) > 0.2);
+    for (int k = 0; k < 2; k++) {
+        test_twin_set(t, "splat", "%s", forms[k]);
+        assert_true(test_difference(one(t, far, 0.8, 7), exact) < 0.02);
+    }
+}
+
 /* Particles are sorted in space: one more of them on the left moves the other in memory. Its noise is its id's, so it
  * stays; the places of two are floats relative to their packet. */
 static void noise_goes_by_id_and_not_by_place_in_memory(void **state)
@@ -318,6 +334,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST_TWINS(every_id_has_noise_of_its_own),
+        TEST_TWINS(all_splats_have_the_noise_the_same_way_up),
         TEST_TWINS(noise_goes_by_id_and_not_by_place_in_memory),
         TEST_TWINS(without_ids_the_place_in_memory_is_the_id),
         TEST_TWINS(noise_of_many_adds_up_in_any_order),

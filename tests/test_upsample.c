@@ -113,7 +113,7 @@ static void nearest_repeats_each_low_pixel(void **state)
  * further off. */
 static void nothing_bleeds_across_a_step(void **state)
 {
-    test_twin *t = begin(state, 0);
+    test_twin *t = begin(state, -2.5);
     ssfr_field *guide = test_field(W, H, 1), *low = test_field(W / 4, H / 4, 1);
     for (int i = 0; i < W * H; i++) guide->data[i] = i % W < 22 ? -2 : -2.75;
     for (int i = 0; i < low->w * low->h; i++) low->data[i] = i % low->w < 6 ? -2.125 : -2.875;
@@ -129,7 +129,7 @@ static void nothing_bleeds_across_a_step(void **state)
 /* Where no low neighbour is the pixel's own surface, it stays as it was. */
 static void strays_keep_their_own_depth(void **state)
 {
-    test_twin *t = begin(state, 0);
+    test_twin *t = begin(state, -2.5);
     ssfr_field *guide = test_field_filled(W, H, 1, -2.5);
     *ssfr_field_at(guide, 17, 13) = -9.25;
     test_twin_give(t, "guide", guide);
@@ -140,10 +140,28 @@ static void strays_keep_their_own_depth(void **state)
     }
 }
 
+/* However little it weighs: of eighth resolution and a cubic filter the corner of 4 x 4, (1/16)^6 / 36 of the whole. What
+ * is as far as the falloff belongs to the surface, too. */
+static void the_last_pixel_of_its_surface_tells_the_depth(void **state)
+{
+    test_twin *t = begin(state, -2.5);
+    for (int k = 0; k < 2; k++) {
+        ssfr_field *low = test_field_filled(W / 8, H / 8, 1, -9.25);
+        *ssfr_field_at(low, 3, 3) = k ? -3 : -2.625;
+        const ssfr_field *cubic = run(t, "cubic", low), *linear = run(t, "linear", low);
+        assert_close(*ssfr_field_at(cubic, 12, 12), *ssfr_field_at(low, 3, 3), 0, t->eps);
+        assert_true(*ssfr_field_at(cubic, 11, 12) == -2.5);
+        assert_close(*ssfr_field_at(linear, 20, 20), *ssfr_field_at(low, 3, 3), 0, t->eps);
+        assert_true(*ssfr_field_at(linear, 19, 20) == -2.5);
+    }
+    ssfr_field *low = test_field_filled(W / 8, H / 8, 1, -3.0625); /* beyond the falloff of 0.5 m */
+    assert_true(test_difference(run(t, "cubic", low), test_field_filled(W, H, 1, -2.5)) == 0);
+}
+
 /* Holes of the low image do not pull, holes of the guide stay, and a low image of holes leaves the guide. */
 static void nothing_bleeds_into_or_from_empty_pixels(void **state)
 {
-    test_twin *t = begin(state, 0);
+    test_twin *t = begin(state, -2.5);
     ssfr_field *guide = test_field(W, H, 1), *low = test_field(W / 4, H / 4, 1);
     uint64_t random = 3;
     for (int i = 0; i < W * H; i++) guide->data[i] = test_random(&random, 0, 1) < 0.7 ? -2.5 : -SSFR_EMPTY;
@@ -219,6 +237,27 @@ static void full_resolution_needs_no_pass(void **state)
     }
 }
 
+static void nothing_runs_without_fluid(void **state)
+{
+    static const double behind[1][3] = {{0, 0, 5}};
+    ssfr_node_status status;
+    test_twin *t = test_twin_create_for(state, &there_and_back, W, H);
+    test_twin_place(t, 1, behind, 0.1, NULL);
+    assert_int_equal(test_count(test_twin_run_if_needed(t, "surface_depth", &status)), 0);
+    for (int i = 0; i < 2; i++) assert_int_equal(ssfr_graph_report(t->graph)->nodes[i].status, SSFR_NEEDLESS);
+}
+
+/* Samples a pixel: the guide, and 1, 2 x 2 or 4 x 4 of the depth. */
+static void the_report_counts_the_samples_of_a_filter(void **state)
+{
+    static const double taps[] = {2, 5, 17};
+    test_twin *t = begin(state, -2.5);
+    for (size_t f = 0; f < SSFR_COUNT(filters); f++) {
+        run(t, filters[f], sample(bowl, 2));
+        assert_true(ssfr_graph_report(t->graph)->nodes[0].taps == taps[f]);
+    }
+}
+
 static void upsample_refuses_values_out_of_range(void **state)
 {
     test_twin *t = begin(state, -2.5);
@@ -235,10 +274,13 @@ int main(void)
         TEST_TWINS(nearest_repeats_each_low_pixel),
         TEST_TWINS(nothing_bleeds_across_a_step),
         TEST_TWINS(strays_keep_their_own_depth),
+        TEST_TWINS(the_last_pixel_of_its_surface_tells_the_depth),
         TEST_TWINS(nothing_bleeds_into_or_from_empty_pixels),
         TEST_TWINS(constant_depth_of_odd_size_comes_back_to_the_border),
         TEST_TWINS(slope_of_odd_size_comes_back_inside),
         TEST_TWINS(full_resolution_needs_no_pass),
+        TEST_TWINS(nothing_runs_without_fluid),
+        TEST_TWINS(the_report_counts_the_samples_of_a_filter),
         TEST_TWINS(upsample_refuses_values_out_of_range),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

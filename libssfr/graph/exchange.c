@@ -59,6 +59,19 @@ void ssfr_graph_want_all(ssfr_graph *graph, bool all)
 
 /* ---- fields given ------------------------------------------------------------------------------------------------ */
 
+/* What is filled with zeros is no depth image: in the eye plane a surface has neither curvature nor normal. */
+static ssfr_result check_depth(const char *slot, const ssfr_field *field)
+{
+    for (int y = 0; y < field->h; y++)
+        for (int x = 0; x < field->w; x++) {
+            const double z = *ssfr_field_at(field, x, y);
+            if (ssfr_is_surface(z) && z >= 0)
+                return ssfr_fail(SSFR_ERR_VALUE, "%s: pixel %d,%d is at z = %g m; a surface before the eye has z < 0",
+                                 slot, x, y, z);
+        }
+    return SSFR_OK;
+}
+
 /* How far the surface of a depth image stands from the eye plane; zeros when there is none. */
 static void measure_depth(resource *r, const ssfr_field *field)
 {
@@ -112,6 +125,7 @@ ssfr_result ssfr_graph_import(ssfr_graph *graph, const char *slot, const ssfr_fi
     if (field->c != ssfr_slots[r->slot].channels)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: %d channels given, it has %d", slot, field->c,
                          ssfr_slots[r->slot].channels);
+    if (ssfr_slot_is_fluid(r->slot)) SSFR_TRY(check_depth(slot, field));
     r->is_given = false; /* until all of it is there */
     SSFR_TRY(graph->gl ? give_texture(graph, r, field) : give_field(graph, r, field));
     if (ssfr_slot_is_fluid(r->slot)) measure_depth(r, field);

@@ -86,8 +86,8 @@ static double shortest_dt(const ssfr_run *run, const ssfr_curvature_flow_coeffs 
     return fmin(dt, c->limit * bound / c->bound);
 }
 
-/* How many steps, those of parts, the nearest particle in view needs; a hundred-thousandth more, for floats may round
- * up. At most `cap`. */
+/* How many steps, those of parts, the nearest particle in view needs, at most `cap`. Where a float would round up to one
+ * more than in double, this cuts it off. */
 static int most_steps(const ssfr_run *run, const ssfr_adaptive_flow_coeffs *c, int cap)
 {
     double steps = c->need / run->frame->facts.nearest;
@@ -95,7 +95,7 @@ static int most_steps(const ssfr_run *run, const ssfr_adaptive_flow_coeffs *c, i
     if (c->constant == SSFR_ADAPTIVE_FLOW_STEPS) return cap;
     const bool metres = c->constant == SSFR_ADAPTIVE_FLOW_METRES;
     if (metres) steps /= shortest_dt(run, &c->flow);
-    return (int)fmin(cap, (floor(steps * (1 + 1e-5)) + 2) * (metres ? 1 : c->flow.parts));
+    return (int)fmin(cap, (floor(steps) + 2) * (metres ? 1 : c->flow.parts));
 }
 
 static void derive(const ssfr_run *run, void *coeffs)

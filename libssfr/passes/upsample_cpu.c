@@ -29,7 +29,7 @@ static double interpolate(const ssfr_field *low, double guide, double x, double 
             sum += wx[i] * wy[j] * (z - guide);
             weight += wx[i] * wy[j];
         }
-    return weight > 1e-6 ? guide + sum / weight : guide;
+    return weight > 0 ? guide + sum / weight : guide;
 }
 
 void ssfr_upsample_cpu(const ssfr_run *run)
