@@ -172,6 +172,27 @@ static void foam_at_the_surface_leaves_nothing_before_it(void **state)
     }
 }
 
+/* So far away that its front and its back are one number: its shares of that are numbers. */
+static void a_sphere_without_depth_is_before_the_foam_or_behind_it(void **state)
+{
+    enum { ODD = 47 };
+    static const double foams[] = {-1e14, -2e14, -5e13, -SSFR_EMPTY};
+    static const char *const occlusions[] = {"front", "clipped"};
+    test_twin *t = test_twin_create(state, "layer_thickness", ODD, ODD);
+    place_one(t, (const double[]){0, 0, -1e14}, 1e-3);
+    test_twin_set(t, "layers", "fragment");
+    for (size_t k = 0; k < SSFR_COUNT(forms) * SSFR_COUNT(foams) * 2; k++) {
+        test_twin_set(t, "splat", "%s", forms[k / 8]);
+        test_twin_set(t, "occlusion", "%s", occlusions[k / 4 % 2]);
+        test_twin_give(t, "foam_depth", test_field_filled(ODD, ODD, 1, foams[k % 4]));
+        const layers l = run(t);
+        for (int i = 0; i < ODD * ODD; i++) {
+            const double back = l.back->data[i], front = l.front->data[i];
+            assert_true(back >= 0 && front >= 0 && back + front <= 2.001e-3);
+        }
+    }
+}
+
 /* ---- where the centre is looked up ------------------------------------------------------------------------------- */
 
 /* One pixel is nearer than the sphere: the one where its centre is seen decides for all of it. */
@@ -626,6 +647,7 @@ int main(void)
         TEST_TWINS(a_disc_with_foam_through_its_middle_is_halved),
         TEST_TWINS(a_centre_is_before_foam_that_is_as_far),
         TEST_TWINS(foam_at_the_surface_leaves_nothing_before_it),
+        TEST_TWINS(a_sphere_without_depth_is_before_the_foam_or_behind_it),
         TEST_TWINS(the_pixel_at_the_centre_decides_for_the_whole_splat),
         TEST_TWINS(a_centre_outside_the_image_takes_the_nearest_pixel),
         TEST_TWINS(a_sphere_around_the_eye_is_before_all_foam),
