@@ -272,6 +272,24 @@ static void a_centre_at_or_behind_the_eye_is_seen_as_if_before_it(void **state)
     }
 }
 
+/* A centre between the eye and the near plane, of which one pixel decides: the one where it is seen if on that plane. */
+static void a_centre_before_the_near_plane_is_seen_as_if_in_it(void **state)
+{
+    static const double centre[] = {0.1, 0.05, -0.2};
+    test_twin *t = begin(state);
+    t->scene.camera.near = 0.5;
+    const int x = (int)(0.5 * W + centre[0] / 0.5 * H), y = (int)(0.5 * H - centre[1] / 0.5 * H);
+    test_twin_set(t, "splat", "exact");
+    place_one(t, centre, 1);
+    for (int aside = 0; aside < 2; aside++) {
+        ssfr_field *foam = test_field_filled(W, H, 1, -SSFR_EMPTY);
+        *ssfr_field_at(foam, x + aside, y) = -0.6;
+        test_twin_give(t, "foam_depth", foam);
+        const layers l = run(t);
+        assert_true(sum_of(aside ? l.back : l.front) > 1000 && sum_of(aside ? l.front : l.back) == 0);
+    }
+}
+
 /* ---- many -------------------------------------------------------------------------------------------------------- */
 
 enum { MANY = 60 };
@@ -554,6 +572,7 @@ static void layers_of_halves_take_half_the_bytes(void **state)
         assert_true(r->image_bytes == (t->gl ? held - 2 * 2.0 * W * H : held));
         for (int k = 0; k < W * H; k++) {
             assert_true(half.back->data[k] == ssfr_half_round(half.back->data[k]));
+            assert_true(half.front->data[k] == ssfr_half_round(half.front->data[k]));
             assert_close(half.front->data[k], single.front->data[k], 1e-7, MANY * 0x1p-10);
         }
         test_twin_set(t, "storage", "float");
@@ -652,6 +671,7 @@ int main(void)
         TEST_TWINS(a_centre_outside_the_image_takes_the_nearest_pixel),
         TEST_TWINS(a_sphere_around_the_eye_is_before_all_foam),
         TEST_TWINS(a_centre_at_or_behind_the_eye_is_seen_as_if_before_it),
+        TEST_TWINS(a_centre_before_the_near_plane_is_seen_as_if_in_it),
         TEST_TWINS(the_layers_add_up_to_the_whole_thickness),
         TEST_TWINS(clipped_layers_end_at_the_scene),
         TEST_TWINS(where_there_is_no_foam_all_is_back),
