@@ -256,6 +256,27 @@ static void light_below_a_caster_is_the_series(void **state)
         }
 }
 
+/* It lifts the fluid, here by 0.1 m of the metre that the series has for its depths. */
+static void the_bias_moves_the_step_of_the_series(void **state)
+{
+    static const double at[1][3] = {{0, 0, -1}};
+    const double span = ssfr_shadow_span(ssfr_shadow_images(4));
+    test_twin *t = begin(state);
+    ssfr_field *depth = test_field(W, H, 1);
+    for (int i = 0; i < W * H; i++) depth->data[i] = -(i + 0.5) / (W * H);
+    test_twin_light(t, &lights[1]);
+    test_twin_place(t, 1, at, 0.1, NULL);
+    test_twin_set(t, "shadow.bias", "1");
+    test_twin_set(t, "shadow.scale", "0.5");
+    test_twin_give(t, "surface_depth", depth);
+    test_twin_give(t, "light_depth", test_field_filled(7, 7, 1, -0.385));
+    const ssfr_field *light = test_twin_run(t, "light");
+    for (int i = 0; i < W * H; i += 7) {
+        const double d = fmax((i + 0.5) / (W * H) - 0.1, 0), s = integrated(4, (0.385 - d) * span);
+        assert_close(light->data[i], ssfr_clamp(0.5 * s, 0, 1), t->gl ? 2e-4 : 1e-6, 0);
+    }
+}
+
 /* As 1/M, for the step of the wave is that of one over its highest frequency. */
 static void more_terms_make_a_sharper_step(void **state)
 {
@@ -574,6 +595,7 @@ int main(void)
         TEST_TWINS(at_half_resolution_shadows_are_where_they_were),
         TEST_TWINS(what_stands_above_by_less_than_the_bias_casts_no_shadow),
         TEST_TWINS(light_below_a_caster_is_the_series),
+        TEST_TWINS(the_bias_moves_the_step_of_the_series),
         TEST_TWINS(more_terms_make_a_sharper_step),
         TEST_TWINS(where_no_caster_is_all_light_arrives_to_the_bit),
         TEST_TWINS(the_series_is_the_same_to_the_border_of_its_square),
