@@ -577,6 +577,21 @@ static void the_twins_agree_with_solids_of_all_shapes(void **state)
     test_scene_destroy(&s);
 }
 
+/* A user's map may have any size, but is a square. */
+static void maps_that_are_not_square_are_refused(void **state)
+{
+    for (int kind = 0; kind < 2; kind++) {
+        test_twin *t = begin_cover(state);
+        test_twin_set(t, "shadow.kind", "%s", kinds[kind]);
+        test_twin_give(t, "surface_depth", test_field_filled(W, H, 1, -2));
+        test_twin_give(t, kind ? "light_basis" : "light_depth", test_field_filled(6, 7, kind ? 4 : 1, -1));
+        assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(t->graph, &t->scene, &(ssfr_run_options){.keep_all = true}),
+                     kind ? "shadow: basis has 6 x 7 pixels" : "shadow: light_depth has 6 x 7 pixels");
+        test_twin_give(t, kind ? "light_basis" : "light_depth", test_field_filled(3, kind ? 6 : 3, kind ? 4 : 1, -1));
+        test_twin_run(t, "light");
+    }
+}
+
 static void parameters_out_of_range_are_refused(void **state)
 {
     test_twin *t = begin(state);
@@ -613,6 +628,7 @@ int main(void)
         TEST_TWINS(without_its_maps_nothing_is_in_shadow),
         TEST_TWINS(a_plane_before_the_light_takes_all_of_it),
         TEST_GPU(the_twins_agree_with_solids_of_all_shapes),
+        TEST_TWINS(maps_that_are_not_square_are_refused),
         TEST_TWINS(parameters_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

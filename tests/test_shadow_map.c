@@ -220,7 +220,7 @@ static void the_square_holds_casters_and_fluid(void **state)
 {
     enum { N = 200 };
     static const double middle[3] = {0.1, -0.2, -3};
-    const light *l = &lights[4]; /* along the view: its axes are those of the eye, or their opposites */
+    const test_light *l = &lights[4]; /* along the view: its axes are those of the eye, or their opposites */
     (void)state;
     test_twin *t = begin(&(void *){"cpu"}, l, 2.385);
     for (int i = 0; i < N; i++) {
