@@ -264,7 +264,9 @@ static void a_step_is_a_border_of_a_pixel_to_both_sides(void **state)
 
 static void the_threshold_is_depth_thresh(void **state)
 {
-    const pool p = begin_step(state, 0.3);
+    const pool p = begin_step(state, 0.3), flat = begin(state, 4);
+    test_twin_set(flat.t, "depth_thresh", "0"); /* what does not bend at all does not bend more */
+    assert_true(*ssfr_field_at(run(&flat, "border"), 15, 10) == 0);
     test_twin_set(p.t, "depth_thresh", "0.301");
     assert_true(*ssfr_field_at(run(&p, "border"), 15, 10) == 0);
     test_twin_set(p.t, "depth_thresh", "0.299");
