@@ -26,8 +26,8 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_CHOICE(shadow_params, average, averages, 1,
                       "the pixel's own depth, or the mean of the 3x3 around it as listing A.22 has it"),
     SSFR_PARAM_CHOICE(shadow_params, foam, foams, SSFR_SHADOW_FOAM_FRONT,
-                      "foam says where the fluid is nowhere; where there is no water, as in listing A.22; or wherever it "
-                      "is before the water"),
+                      "foam says where the fluid is nowhere; where there is no water, as in listing A.22; or wherever "
+                      "it is before the water"),
     SSFR_PARAM_REAL(shadow_params, bias, "radii", 1, 0, 1e6,
                     "what stands above the fluid by less casts no shadow; in particle radii"),
     SSFR_PARAM_REAL(shadow_params, scale, "1", 2, 0.01, 100,
