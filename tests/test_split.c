@@ -195,15 +195,20 @@ static void b28_shifts_the_depth_by_a_quarter_of_a_pixel_of_it(void **state)
     assert_depth(&p, 0.25 * 4 * (across + down), 4, 4, 1e-5);
 }
 
+static void lay_plane(const pool *p, double z0, const double s[2])
+{
+    for (int j = 0; j < p->low->h; j++)
+        for (int i = 0; i < p->low->w; i++)
+            *ssfr_field_at(p->low, i, j) = test_plane(z0, s[0], s[1], test_ray_at(p->t, i, j, p->factor));
+}
+
 static double plane_error(void **state, int w, int h)
 {
     static const double s[2] = {0.3, -0.2};
     const pool p = begin_sized(state, w, h, 2);
     double n[3] = {-s[0], -s[1], 1}, largest = 0;
     ssfr_normalize(n);
-    for (int j = 0; j < p.low->h; j++)
-        for (int i = 0; i < p.low->w; i++)
-            *ssfr_field_at(p.low, i, j) = test_plane(-3, s[0], s[1], test_ray_at(p.t, i, j, 2));
+    lay_plane(&p, -3, s);
     const ssfr_field *color = run(&p, "color");
     for (int y = 2; y < h - 2; y++)
         for (int x = 2; x < w - 2; x++) {
@@ -238,9 +243,7 @@ static void at_borders_the_normal_of_a_plane_is_its_own(void **state)
         ssfr_normalize(n);
         test_twin_set(p.t, "border", "always");
         test_twin_set(p.t, "lone_thresh", "0");
-        for (int j = 0; j < p.low->h; j++)
-            for (int i = 0; i < p.low->w; i++)
-                *ssfr_field_at(p.low, i, j) = test_plane(-3, s[0], s[1], test_ray_at(p.t, i, j, factor));
+        lay_plane(&p, -3, s);
         const ssfr_field *color = run(&p, "color");
         for (int i = 0; i < N; i++)
             if (is_amid(i % W, i / W)) assert_normal(color, i % W, i / W, n, 4 * rounding(&p));
@@ -374,11 +377,29 @@ static void at_full_resolution_a_border_has_its_own_colour(void **state)
     normal_of(color, 9, 10, n);
     assert_close(n[0], 0, rounding(&p), 0); /* its lesser difference is the other one */
     normal_of(color, 10, 10, n);
-    assert_true(fabs(n[0]) > 0.3 && fabs(n[1]) > 0.3);
+    assert_true(n[0] > 0.3 && n[1] > 0.3); /* of two differences as large that ahead: to the right, and upwards */
     test_twin_set(p.t, "as_printed", "B28");
     double printed[2];
     normal_of(run(&p, "color"), 9, 9, printed);
     for (int k = 0; k < 2; k++) assert_close(printed[k], n[k] / 4, rounding(&p), 0);
+}
+
+/* Places of depths as far as a float has are products of them, normals are not. */
+static void at_borders_distant_water_has_its_normals(void **state)
+{
+    static const double far[] = {-1e10, -1e20, -1e28}, s[2] = {0.3, -0.2};
+    for (size_t k = 0; k < SSFR_COUNT(far); k++) {
+        const pool p = begin(state, 2);
+        double n[3] = {-s[0], -s[1], 1};
+        ssfr_normalize(n);
+        test_twin_set(p.t, "border", "always");
+        test_twin_set(p.t, "lone_thresh", "0");
+        ssfr_field_fill(p.scene_depth, -SSFR_EMPTY);
+        lay_plane(&p, far[k], s);
+        const ssfr_field *color = run(&p, "color");
+        for (int i = 0; i < N; i++)
+            if (is_amid(i % W, i / W)) assert_normal(color, i % W, i / W, n, 4 * rounding(&p));
+    }
 }
 
 /* What is nearer than all about it is no slope. */
@@ -702,6 +723,7 @@ int main(void)
         TEST_TWINS(b28_shifts_colours_by_half_a_pixel_of_the_depth),
         TEST_TWINS(at_full_resolution_a_border_has_its_own_colour),
         TEST_TWINS(water_that_is_all_before_the_foam_has_its_surface),
+        TEST_TWINS(at_borders_distant_water_has_its_normals),
         TEST_TWINS(a_pixel_that_stands_alone_faces_the_eye),
         TEST_TWINS(what_is_no_surface_makes_a_border_and_no_number_that_is_none),
         TEST_TWINS(water_without_a_depth_only_attenuates),
