@@ -11,12 +11,13 @@ uniform vec2 u_c;
 
 layout(location = 0) out vec4 o_shading_normal;
 
-// The noise's change a pixel along d, one-sided where a neighbour has no surface and so no noise.
+// The noise's change a pixel along d, one-sided where a neighbour has no surface and so no noise. Noise that is not a
+// number has no slope.
 float slope(ivec2 p, ivec2 d)
 {
     int before = int(is_surface(depth_at(t_depth, p - d))), after = int(is_surface(depth_at(t_depth, p + d)));
     float change = fetch(t_noise, p + after * d).x - fetch(t_noise, p - before * d).x;
-    return change / float(max(before + after, 1));
+    return is_surface(change) ? change / float(max(before + after, 1)) : 0.0;
 }
 
 void main()

@@ -434,6 +434,23 @@ static void the_highlight_takes_the_light_that_arrives(void **state)
     assert_color(&p, c_fb);
 }
 
+/* The sky's image is no light of the sun's. */
+static void water_in_the_shade_mirrors_the_sky(void **state)
+{
+    const pond p = begin(state);
+    attenuate_by(&p, 1);
+    test_twin_set(p.t, "fresnel_bias", "0.3");
+    ssfr_field_fill(p.value[LIGHT], 0);
+    for (int before = 0; before < 2; before++) {
+        double color[3];
+        lay(&p, before ? 0 : 0.5, 0, before ? 0.5 : 0);
+        copy(color, scene);
+        cover(color, fluid, 0.5);
+        mirror(color, 0.3);
+        assert_color(&p, color);
+    }
+}
+
 /* ---- refraction -------------------------------------------------------------------------------------------------- */
 
 /* A scene whose red is the column in pixels, clear water, normals that lean to the right. Columns from 12 on
@@ -643,6 +660,7 @@ int main(void)
         TEST_TWINS(b11_adds_what_is_mirrored_as_far_as_water_is_before_foam),
         TEST_TWINS(without_foam_it_is_the_water_of_composite),
         TEST_TWINS(the_highlight_takes_the_light_that_arrives),
+        TEST_TWINS(water_in_the_shade_mirrors_the_sky),
         TEST_TWINS(the_background_is_shifted_by_both_waters),
         TEST_TWINS(b29_shifts_by_pixels_and_rejects_nothing),
         TEST_TWINS(foam_is_drawn_beyond_the_water_and_all_else_is_untouched),

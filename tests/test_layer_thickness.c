@@ -172,6 +172,27 @@ static void foam_at_the_surface_leaves_nothing_before_it(void **state)
     }
 }
 
+/* So far away that its front and its back are one number: its shares of that are numbers. */
+static void a_sphere_without_depth_is_before_the_foam_or_behind_it(void **state)
+{
+    enum { ODD = 47 };
+    static const double foams[] = {-1e14, -2e14, -5e13, -SSFR_EMPTY};
+    static const char *const occlusions[] = {"front", "clipped"};
+    test_twin *t = test_twin_create(state, "layer_thickness", ODD, ODD);
+    place_one(t, (const double[]){0, 0, -1e14}, 1e-3);
+    test_twin_set(t, "layers", "fragment");
+    for (size_t k = 0; k < SSFR_COUNT(forms) * SSFR_COUNT(foams) * 2; k++) {
+        test_twin_set(t, "splat", "%s", forms[k / 8]);
+        test_twin_set(t, "occlusion", "%s", occlusions[k / 4 % 2]);
+        test_twin_give(t, "foam_depth", test_field_filled(ODD, ODD, 1, foams[k % 4]));
+        const layers l = run(t);
+        for (int i = 0; i < ODD * ODD; i++) {
+            const double back = l.back->data[i], front = l.front->data[i];
+            assert_true(back >= 0 && front >= 0 && back + front <= 2.001e-3);
+        }
+    }
+}
+
 /* ---- where the centre is looked up ------------------------------------------------------------------------------- */
 
 /* One pixel is nearer than the sphere: the one where its centre is seen decides for all of it. */
@@ -248,6 +269,24 @@ static void a_centre_at_or_behind_the_eye_is_seen_as_if_before_it(void **state)
         const layers l = run(t);
         for (int k = 0; k < W * H; k++) assert_true((i % 2 ? l.front : l.back)->data[k] == 0);
         assert_true(sum_of(i % 2 ? l.back : l.front) > 1000);
+    }
+}
+
+/* A centre between the eye and the near plane, of which one pixel decides: the one where it is seen if on that plane. */
+static void a_centre_before_the_near_plane_is_seen_as_if_in_it(void **state)
+{
+    static const double centre[] = {0.1, 0.05, -0.2};
+    test_twin *t = begin(state);
+    t->scene.camera.near = 0.5;
+    const int x = (int)(0.5 * W + centre[0] / 0.5 * H), y = (int)(0.5 * H - centre[1] / 0.5 * H);
+    test_twin_set(t, "splat", "exact");
+    place_one(t, centre, 1);
+    for (int aside = 0; aside < 2; aside++) {
+        ssfr_field *foam = test_field_filled(W, H, 1, -SSFR_EMPTY);
+        *ssfr_field_at(foam, x + aside, y) = -0.6;
+        test_twin_give(t, "foam_depth", foam);
+        const layers l = run(t);
+        assert_true(sum_of(aside ? l.back : l.front) > 1000 && sum_of(aside ? l.front : l.back) == 0);
     }
 }
 
@@ -533,6 +572,7 @@ static void layers_of_halves_take_half_the_bytes(void **state)
         assert_true(r->image_bytes == (t->gl ? held - 2 * 2.0 * W * H : held));
         for (int k = 0; k < W * H; k++) {
             assert_true(half.back->data[k] == ssfr_half_round(half.back->data[k]));
+            assert_true(half.front->data[k] == ssfr_half_round(half.front->data[k]));
             assert_close(half.front->data[k], single.front->data[k], 1e-7, MANY * 0x1p-10);
         }
         test_twin_set(t, "storage", "float");
@@ -626,10 +666,12 @@ int main(void)
         TEST_TWINS(a_disc_with_foam_through_its_middle_is_halved),
         TEST_TWINS(a_centre_is_before_foam_that_is_as_far),
         TEST_TWINS(foam_at_the_surface_leaves_nothing_before_it),
+        TEST_TWINS(a_sphere_without_depth_is_before_the_foam_or_behind_it),
         TEST_TWINS(the_pixel_at_the_centre_decides_for_the_whole_splat),
         TEST_TWINS(a_centre_outside_the_image_takes_the_nearest_pixel),
         TEST_TWINS(a_sphere_around_the_eye_is_before_all_foam),
         TEST_TWINS(a_centre_at_or_behind_the_eye_is_seen_as_if_before_it),
+        TEST_TWINS(a_centre_before_the_near_plane_is_seen_as_if_in_it),
         TEST_TWINS(the_layers_add_up_to_the_whole_thickness),
         TEST_TWINS(clipped_layers_end_at_the_scene),
         TEST_TWINS(where_there_is_no_foam_all_is_back),

@@ -157,6 +157,21 @@ static void no_normal_stays_none(void **state)
     for (int i = 0; i < W * H; i++) assert_normal(same->data + 3 * i, none, 0);
 }
 
+static void noise_that_is_no_number_leaves_normals_alone(void **state)
+{
+    static const double none[] = {NAN, INFINITY, -INFINITY, -1e30};
+    test_twin *t = begin(state, normals[2]);
+    uint64_t random = 43;
+    for (size_t i = 0; i < SSFR_COUNT(none); i++) {
+        ssfr_field *noise = test_field(W, H, 1);
+        const ssfr_field *still = run(t, test_field_filled(W, H, 1, none[i]));
+        for (int k = 0; k < W * H; k++) assert_normal(still->data + 3 * k, normals[2], 4 * t->eps);
+        for (int k = 0; k < W * H; k++) noise->data[k] = test_random(&random, 0, 1) < 0.3 ? none[i] : 0.4;
+        const ssfr_field *torn = run(t, noise);
+        for (int k = 0; k < W * H; k++) assert_normal(torn->data + 3 * k, normals[2], 4 * t->eps);
+    }
+}
+
 static void noise_normals_refuse_values_out_of_range(void **state)
 {
     test_twin *t = begin(state, normals[0]);
@@ -175,6 +190,7 @@ int main(void)
         TEST_TWINS(still_water_keeps_its_normals),
         TEST_TWINS(one_pixel_has_no_slope),
         TEST_TWINS(no_normal_stays_none),
+        TEST_TWINS(noise_that_is_no_number_leaves_normals_alone),
         TEST_TWINS(noise_normals_refuse_values_out_of_range),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

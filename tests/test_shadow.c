@@ -256,6 +256,27 @@ static void light_below_a_caster_is_the_series(void **state)
         }
 }
 
+/* It lifts the fluid, here by 0.1 m of the metre that the series has for its depths. */
+static void the_bias_moves_the_step_of_the_series(void **state)
+{
+    static const double at[1][3] = {{0, 0, -1}};
+    const double span = ssfr_shadow_span(ssfr_shadow_images(4));
+    test_twin *t = begin(state);
+    ssfr_field *depth = test_field(W, H, 1);
+    for (int i = 0; i < W * H; i++) depth->data[i] = -(i + 0.5) / (W * H);
+    test_twin_light(t, &lights[1]);
+    test_twin_place(t, 1, at, 0.1, NULL);
+    test_twin_set(t, "shadow.bias", "1");
+    test_twin_set(t, "shadow.scale", "0.5");
+    test_twin_give(t, "surface_depth", depth);
+    test_twin_give(t, "light_depth", test_field_filled(7, 7, 1, -0.385));
+    const ssfr_field *light = test_twin_run(t, "light");
+    for (int i = 0; i < W * H; i += 7) {
+        const double d = fmax((i + 0.5) / (W * H) - 0.1, 0), s = integrated(4, (0.385 - d) * span);
+        assert_close(light->data[i], ssfr_clamp(0.5 * s, 0, 1), t->gl ? 2e-4 : 1e-6, 0);
+    }
+}
+
 /* As 1/M, for the step of the wave is that of one over its highest frequency. */
 static void more_terms_make_a_sharper_step(void **state)
 {
@@ -556,6 +577,21 @@ static void the_twins_agree_with_solids_of_all_shapes(void **state)
     test_scene_destroy(&s);
 }
 
+/* A user's map may have any size, but is a square. */
+static void maps_that_are_not_square_are_refused(void **state)
+{
+    for (int kind = 0; kind < 2; kind++) {
+        test_twin *t = begin_cover(state);
+        test_twin_set(t, "shadow.kind", "%s", kinds[kind]);
+        test_twin_give(t, "surface_depth", test_field_filled(W, H, 1, -2));
+        test_twin_give(t, kind ? "light_basis" : "light_depth", test_field_filled(6, 7, kind ? 4 : 1, -1));
+        assert_fails(SSFR_ERR_VALUE, ssfr_graph_run(t->graph, &t->scene, &(ssfr_run_options){.keep_all = true}),
+                     kind ? "shadow: basis has 6 x 7 pixels" : "shadow: light_depth has 6 x 7 pixels");
+        test_twin_give(t, kind ? "light_basis" : "light_depth", test_field_filled(3, kind ? 6 : 3, kind ? 4 : 1, -1));
+        test_twin_run(t, "light");
+    }
+}
+
 static void parameters_out_of_range_are_refused(void **state)
 {
     test_twin *t = begin(state);
@@ -574,6 +610,7 @@ int main(void)
         TEST_TWINS(at_half_resolution_shadows_are_where_they_were),
         TEST_TWINS(what_stands_above_by_less_than_the_bias_casts_no_shadow),
         TEST_TWINS(light_below_a_caster_is_the_series),
+        TEST_TWINS(the_bias_moves_the_step_of_the_series),
         TEST_TWINS(more_terms_make_a_sharper_step),
         TEST_TWINS(where_no_caster_is_all_light_arrives_to_the_bit),
         TEST_TWINS(the_series_is_the_same_to_the_border_of_its_square),
@@ -591,6 +628,7 @@ int main(void)
         TEST_TWINS(without_its_maps_nothing_is_in_shadow),
         TEST_TWINS(a_plane_before_the_light_takes_all_of_it),
         TEST_GPU(the_twins_agree_with_solids_of_all_shapes),
+        TEST_TWINS(maps_that_are_not_square_are_refused),
         TEST_TWINS(parameters_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, test_capture_log, test_end_gl);

@@ -90,13 +90,32 @@ static void lay_ramp(const pool *p)
             *ssfr_field_at(p->low, i, j) = ramp_at((i + 0.5) * p->factor, (j + 0.5) * p->factor);
 }
 
-/* By its derivatives at the place of the pixel itself. */
-static void ramp_normal(const pool *p, int x, int y, bool off_axis, double n[3])
+/* Its slope by eye-space x and y at unit distance. */
+static void ramp_slope(const pool *p, double out[2])
 {
     const ssfr_camera *c = &p->t->scene.camera;
+    out[0] = across / (2 * c->tan_x / W), out[1] = -down / (2 * c->tan_y / H);
+}
+
+/* By its derivatives at the place of the pixel itself. */
+static void ramp_normal(const pool *p, int x, int y, double n[3])
+{
     const test_ray at = test_ray_at(p->t, x, y, 1);
-    const double z = ramp_at(x + 0.5, y + 0.5), pu = across / (2 * c->tan_x / W), pv = -down / (2 * c->tan_y / H);
-    n[0] = -pu, n[1] = -pv, n[2] = -(z + (off_axis ? at.u * pu + at.v * pv : 0));
+    double slope[2];
+    ramp_slope(p, slope);
+    n[0] = -slope[0], n[1] = -slope[1], n[2] = -(ramp_at(x + 0.5, y + 0.5) + at.u * slope[0] + at.v * slope[1]);
+    ssfr_normalize(n);
+}
+
+/* Listing A.18: over the depth of the pixel in the middle of a line, in the place's row or column. */
+static void listing_normal(const pool *p, int x, int y, double n[3])
+{
+    const int factor = p->factor;
+    double slope[2];
+    ramp_slope(p, slope);
+    n[0] = slope[0] / ramp_at((x / factor + 0.5) * factor, y + 0.5);
+    n[1] = slope[1] / ramp_at(x + 0.5, (y / factor + 0.5) * factor);
+    n[2] = 1;
     ssfr_normalize(n);
 }
 
@@ -112,7 +131,7 @@ static void inside_depth_and_slope_are_those_of_the_pixel(void **state)
             for (int x = 0; x < W; x++) {
                 const bool edge = x < factor || x >= W - factor || y < factor || y >= H - factor;
                 double n[3];
-                ramp_normal(&p, x, y, true, n);
+                ramp_normal(&p, x, y, n);
                 assert_true(*ssfr_field_at(border, x, y) == edge);
                 if (!edge) assert_normal(color, x, y, n, rounding(&p));
             }
@@ -130,10 +149,9 @@ static void without_off_axis_the_slope_counts_as_if_on_the_axis(void **state)
     for (int y = 2; y < H - 2; y++)
         for (int x = 2; x < W - 2; x++) {
             double n[3], own[3];
-            ramp_normal(&p, x, y, false, n);
-            ramp_normal(&p, x, y, true, own);
-            /* A.18 divides by the depth of the pixel in the middle of a line, which is up to a pixel aside. */
-            assert_normal(color, x, y, n, 0.02);
+            listing_normal(&p, x, y, n);
+            ramp_normal(&p, x, y, own);
+            assert_normal(color, x, y, n, rounding(&p));
             largest = fmax(largest, acos(ssfr_clamp(ssfr_dot(n, own), -1, 1)));
         }
     assert_true(largest > 0.05); /* rad */
@@ -177,15 +195,20 @@ static void b28_shifts_the_depth_by_a_quarter_of_a_pixel_of_it(void **state)
     assert_depth(&p, 0.25 * 4 * (across + down), 4, 4, 1e-5);
 }
 
+static void lay_plane(const pool *p, double z0, const double s[2])
+{
+    for (int j = 0; j < p->low->h; j++)
+        for (int i = 0; i < p->low->w; i++)
+            *ssfr_field_at(p->low, i, j) = test_plane(z0, s[0], s[1], test_ray_at(p->t, i, j, p->factor));
+}
+
 static double plane_error(void **state, int w, int h)
 {
     static const double s[2] = {0.3, -0.2};
     const pool p = begin_sized(state, w, h, 2);
     double n[3] = {-s[0], -s[1], 1}, largest = 0;
     ssfr_normalize(n);
-    for (int j = 0; j < p.low->h; j++)
-        for (int i = 0; i < p.low->w; i++)
-            *ssfr_field_at(p.low, i, j) = test_plane(-3, s[0], s[1], test_ray_at(p.t, i, j, 2));
+    lay_plane(&p, -3, s);
     const ssfr_field *color = run(&p, "color");
     for (int y = 2; y < h - 2; y++)
         for (int x = 2; x < w - 2; x++) {
@@ -220,9 +243,7 @@ static void at_borders_the_normal_of_a_plane_is_its_own(void **state)
         ssfr_normalize(n);
         test_twin_set(p.t, "border", "always");
         test_twin_set(p.t, "lone_thresh", "0");
-        for (int j = 0; j < p.low->h; j++)
-            for (int i = 0; i < p.low->w; i++)
-                *ssfr_field_at(p.low, i, j) = test_plane(-3, s[0], s[1], test_ray_at(p.t, i, j, factor));
+        lay_plane(&p, -3, s);
         const ssfr_field *color = run(&p, "color");
         for (int i = 0; i < N; i++)
             if (is_amid(i % W, i / W)) assert_normal(color, i % W, i / W, n, 4 * rounding(&p));
@@ -264,7 +285,9 @@ static void a_step_is_a_border_of_a_pixel_to_both_sides(void **state)
 
 static void the_threshold_is_depth_thresh(void **state)
 {
-    const pool p = begin_step(state, 0.3);
+    const pool p = begin_step(state, 0.3), flat = begin(state, 4);
+    test_twin_set(flat.t, "depth_thresh", "0"); /* what does not bend at all does not bend more */
+    assert_true(*ssfr_field_at(run(&flat, "border"), 15, 10) == 0);
     test_twin_set(p.t, "depth_thresh", "0.301");
     assert_true(*ssfr_field_at(run(&p, "border"), 15, 10) == 0);
     test_twin_set(p.t, "depth_thresh", "0.299");
@@ -354,11 +377,29 @@ static void at_full_resolution_a_border_has_its_own_colour(void **state)
     normal_of(color, 9, 10, n);
     assert_close(n[0], 0, rounding(&p), 0); /* its lesser difference is the other one */
     normal_of(color, 10, 10, n);
-    assert_true(fabs(n[0]) > 0.3 && fabs(n[1]) > 0.3);
+    assert_true(n[0] > 0.3 && n[1] > 0.3); /* of two differences as large that ahead: to the right, and upwards */
     test_twin_set(p.t, "as_printed", "B28");
     double printed[2];
     normal_of(run(&p, "color"), 9, 9, printed);
     for (int k = 0; k < 2; k++) assert_close(printed[k], n[k] / 4, rounding(&p), 0);
+}
+
+/* Places of depths as far as a float has are products of them, normals are not. */
+static void at_borders_distant_water_has_its_normals(void **state)
+{
+    static const double far[] = {-1e10, -1e20, -1e28}, s[2] = {0.3, -0.2};
+    for (size_t k = 0; k < SSFR_COUNT(far); k++) {
+        const pool p = begin(state, 2);
+        double n[3] = {-s[0], -s[1], 1};
+        ssfr_normalize(n);
+        test_twin_set(p.t, "border", "always");
+        test_twin_set(p.t, "lone_thresh", "0");
+        ssfr_field_fill(p.scene_depth, -SSFR_EMPTY);
+        lay_plane(&p, far[k], s);
+        const ssfr_field *color = run(&p, "color");
+        for (int i = 0; i < N; i++)
+            if (is_amid(i % W, i / W)) assert_normal(color, i % W, i / W, n, 4 * rounding(&p));
+    }
 }
 
 /* What is nearer than all about it is no slope. */
@@ -682,6 +723,7 @@ int main(void)
         TEST_TWINS(b28_shifts_colours_by_half_a_pixel_of_the_depth),
         TEST_TWINS(at_full_resolution_a_border_has_its_own_colour),
         TEST_TWINS(water_that_is_all_before_the_foam_has_its_surface),
+        TEST_TWINS(at_borders_distant_water_has_its_normals),
         TEST_TWINS(a_pixel_that_stands_alone_faces_the_eye),
         TEST_TWINS(what_is_no_surface_makes_a_border_and_no_number_that_is_none),
         TEST_TWINS(water_without_a_depth_only_attenuates),

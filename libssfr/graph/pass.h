@@ -190,8 +190,8 @@ struct ssfr_pass {
     /* NULL: program 0, once over the outputs. */
     ssfr_result (*gl_run)(const ssfr_run *run);
 
-    /* Of a finished frame: fails where its counts say that it cannot stand; pass: whose, for the error line. NULL: it
-     * always can. */
+    /* Of a finished frame: fails where its counts or images that were given say that it cannot stand; pass: whose, for
+     * the error line. NULL: it always can. */
     ssfr_result (*check)(const ssfr_run *run, const char *pass);
 
     /* Of a finished frame: fills the report's taps, iterations, vertices, bytes, tiles and unstable; the graph has put

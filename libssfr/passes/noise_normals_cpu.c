@@ -2,7 +2,8 @@
 /* noise_normals_cpu.c: normals leaning with the noise's slope on a surface that faces the eye, in double. */
 #include "passes/noise_normals.h"
 
-/* The noise's change a pixel along (dx, dy), one-sided where a neighbour has no surface and so no noise. */
+/* The noise's change a pixel along (dx, dy), one-sided where a neighbour has no surface and so no noise. Noise that is
+ * not a number has no slope. */
 static double slope(const ssfr_run *run, int x, int y, int dx, int dy)
 {
     const ssfr_field *noise = run->in[1];
@@ -10,7 +11,7 @@ static double slope(const ssfr_run *run, int x, int y, int dx, int dy)
     const int after = ssfr_is_surface(ssfr_depth_at(run->in[2], x + dx, y + dy));
     const double change = *ssfr_field_fetch(noise, x + after * dx, y + after * dy) -
                           *ssfr_field_fetch(noise, x - before * dx, y - before * dy);
-    return change / ssfr_max_int(before + after, 1);
+    return ssfr_is_surface(change) ? change / ssfr_max_int(before + after, 1) : 0;
 }
 
 static void disturb(const ssfr_run *run, int x, int y, const double *normal, double z, double *out)

@@ -26,8 +26,8 @@ static const ssfr_param rows[] = {
     SSFR_PARAM_CHOICE(shadow_params, average, averages, 1,
                       "the pixel's own depth, or the mean of the 3x3 around it as listing A.22 has it"),
     SSFR_PARAM_CHOICE(shadow_params, foam, foams, SSFR_SHADOW_FOAM_FRONT,
-                      "foam says where the fluid is nowhere; where there is no water, as in listing A.22; or wherever it "
-                      "is before the water"),
+                      "foam says where the fluid is nowhere; where there is no water, as in listing A.22; or wherever "
+                      "it is before the water"),
     SSFR_PARAM_REAL(shadow_params, bias, "radii", 1, 0, 1e6,
                     "what stands above the fluid by less casts no shadow; in particle radii"),
     SSFR_PARAM_REAL(shadow_params, scale, "1", 2, 0.01, 100,
@@ -74,12 +74,21 @@ static bool defines(const ssfr_run *run, int i, char text[SSFR_DEFINES])
     return true;
 }
 
+/* Of an input on either twin, px. */
+static void size_of(const ssfr_run *run, int input, int out[2])
+{
+    const ssfr_field *field = run->in[input];
+    const ssfr_texture *texture = run->draw ? run->draw->in[input] : NULL;
+    out[0] = texture ? texture->w : field->w;
+    out[1] = texture ? texture->h : field->h;
+}
+
 /* Four texels of each of its images. */
 static double basis_taps(const ssfr_run *run)
 {
-    const ssfr_field *field = run->in[SSFR_SHADOW_BASIS];
-    const ssfr_texture *texture = run->draw ? run->draw->in[SSFR_SHADOW_BASIS] : NULL;
-    return 4.0 * (texture ? texture->h / texture->w : field->h / field->w);
+    int size[2];
+    size_of(run, SSFR_SHADOW_BASIS, size);
+    return 4.0 * (size[1] / size[0]);
 }
 
 static void work(const ssfr_run *run, ssfr_node_report *report)
@@ -89,6 +98,22 @@ static void work(const ssfr_run *run, ssfr_node_report *report)
     report->taps = near * (c->foam ? 2 : 1); /* without_water: at most */
     if (c->kind == SSFR_SHADOW_MAP) report->taps++;
     if (c->kind == SSFR_SHADOW_CONVOLUTION) report->taps += basis_taps(run);
+}
+
+/* The light's view is a square, and its basis squares one below the other: what a user gives may be neither. */
+static ssfr_result check(const ssfr_run *run, const char *pass)
+{
+    const int kind = ((const ssfr_shadow_coeffs *)run->coeffs)->kind;
+    int size[2];
+    if (kind == SSFR_SHADOW_RAY) return SSFR_OK;
+    size_of(run, kind == SSFR_SHADOW_MAP ? SSFR_SHADOW_LIGHT_DEPTH : SSFR_SHADOW_BASIS, size);
+    if (kind == SSFR_SHADOW_MAP && size[0] != size[1])
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: light_depth has %d x %d pixels: it must be square", pass,
+                         size[0], size[1]);
+    if (size[1] % size[0])
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: basis has %d x %d pixels: squares must stand one below the other", pass,
+                         size[0], size[1]);
+    return SSFR_OK;
 }
 
 const ssfr_pass ssfr_shadow = {
@@ -110,5 +135,6 @@ const ssfr_pass ssfr_shadow = {
     .defines = defines,
     .uniforms = uniforms,
     .work = work,
+    .check = check,
     .tolerance = {.abs = 1e-3, .rel = 0, .outliers = 0.01},
 };

@@ -54,7 +54,7 @@ extern const char *const ssfr_streak_orientations[], *const ssfr_streak_planes[]
     SSFR_STREAK_ROW(root, SSFR_CHOICE, "1", SSFR_ROOT_EXACT, 0, 0, ssfr_roots,                                   \
                     "height of quads, sqrt(1 - r^2): computed, or looked up in 128 texels"),                     \
     SSFR_STREAK_REAL(motion_threshold, "m/s", 0.5, 0, 1e9, "slower particles are not turned"),                   \
-    SSFR_STREAK_REAL(facing, "1", 0.95, 0, 0.9999, "|cosine| between motion and ray from which none is turned"), \
+    SSFR_STREAK_REAL(facing, "1", 0.95, 0, 0.9999, "|cosine| between motion and ray above which none is turned"), \
     SSFR_STREAK_REAL(stretch, "1", 2, 1, 100, "half length of a turned quad in radii of the splat"),             \
     SSFR_STREAK_REAL(radius_scale, "1", 1, 0.01, 100, "splat radius in particle radii")
 
