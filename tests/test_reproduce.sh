@@ -96,6 +96,7 @@ that 'with its own size' [ "$(cells full/tiny/fig2.csv width)" = '48 ' ]
 that 'and its name' grep -q '"scale": "full"' full/tiny/fig2.meta.json
 refuses 'scales are not mixed' 'tab1.csv: was measured with other settings' reproduce tiny/tab1 $brief -o full
 that 'and the table is named' grep -q '^ssfr reproduce: full/tiny/tab1.csv: ' err
+that 'and what may be done' grep -q 'at another scale: nothing to resume; measure it anew, or elsewhere with -o$' err
 rm -r full
 
 # ---- claims alone ----
