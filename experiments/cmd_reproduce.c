@@ -74,6 +74,14 @@ end:
     return result;
 }
 
+/* As rules name its table. */
+static ssfr_result check_name(const item *it, const char *path)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
+    if (it->item[strspn(it->item, letters)] == '\0' && !strchr("0123456789", it->item[0])) return SSFR_OK;
+    return ssfr_fail(SSFR_ERR_VALUE, "%s: an item's name is letters, digits and _, and begins with no digit", path);
+}
+
 static ssfr_result name_item(item *it)
 {
     const size_t size = strlen(it->paper->name) + strlen(it->item) + 2;
@@ -100,6 +108,7 @@ static ssfr_result read_item(reproduction *r, item *it)
     SSFR_TRY(name_item(it));
     snprintf(name, sizeof name, "%s.yaml", it->item);
     ssfr_papers_path(r->papers, it->paper->name, name, path);
+    SSFR_TRY(check_name(it, path));
     SSFR_TRY(ssfr_papers_read(r->papers, it->paper->name, name, &text, &size));
     SSFR_TRY(ssfr_recipe_parse(&it->recipe, path, text, size));
     if (!it->recipe) SSFR_TRY(read_sweep(r, it, path, text, size));
