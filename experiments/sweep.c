@@ -250,13 +250,13 @@ static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const k
     return write_row(s, k, ran == SSFR_OK ? "ok" : error[0] ? error : ssfr_result_text(ran), &row);
 }
 
-/* Makes the runs of this shard that the table lacks, or counts them. */
+/* Makes the runs of this shard that the table lacks, until a signal comes; or counts them all. */
 static ssfr_result visit_runs(sweep *s, bool count_only, size_t *n)
 {
     ssfr_result result = SSFR_OK;
     const size_t total = *n;
     size_t done = 0;
-    for (size_t i = 0; i < s->n_runs && !ssfr_interrupt_came(); i++) {
+    for (size_t i = 0; i < s->n_runs && (count_only || !ssfr_interrupt_came()); i++) {
         size_t index[SSFR_MAX_AXES];
         key k;
         if (!in_shard(s, i)) continue;
