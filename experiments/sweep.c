@@ -7,6 +7,7 @@
 #include "experiments/figures.h"
 #include "experiments/interrupt.h"
 #include "experiments/meta.h"
+#include "experiments/output.h"
 #include "experiments/rig.h"
 #include "experiments/scenes/make.h"
 
@@ -493,6 +494,7 @@ static ssfr_result run(sweep *s)
     ssfr_result result = SSFR_OK;
     size_t todo = 0;
     const double begun = ssfr_clock();
+    if (s->o->output) SSFR_TRY(ssfr_output_check_file(s->o->output)); /* before scenes are simulated */
     SSFR_TRY(make_rig(s));
     SSFR_TRY(begin_table(s, &todo));
     size_t n = todo;
