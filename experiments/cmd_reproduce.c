@@ -5,14 +5,11 @@
 #include "experiments/console.h"
 #include "experiments/interrupt.h"
 #include "experiments/options.h"
+#include "experiments/output.h"
 #include "experiments/papers.h"
 #include "experiments/recipe.h"
 #include "experiments/scenes/make.h"
 #include "experiments/sweep.h"
-
-#include <errno.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { MOST_PATH = 4096 };
 
@@ -214,19 +211,13 @@ end:
 
 /* ---- running ----------------------------------------------------------------------------------------------------- */
 
-static ssfr_result make_folder(const char *path)
-{
-    if (mkdir(path, 0777) == 0 || errno == EEXIST) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
-}
-
 static ssfr_result make_folders(const reproduction *r, const char *paper)
 {
     ssfr_result result = SSFR_OK;
     char path[MOST_PATH];
-    SSFR_TRY(make_folder(r->words->output));
+    SSFR_TRY(ssfr_output_make_folder(r->words->output));
     snprintf(path, sizeof path, "%s/%s", r->words->output, paper);
-    SSFR_TRY(make_folder(path));
+    SSFR_TRY(ssfr_output_make_folder(path));
 end:
     return result;
 }
@@ -289,7 +280,7 @@ static ssfr_result judge(const reproduction *r, size_t paper, ssfr_table *table)
     ssfr_claims *claims = r->claims[paper];
     if (!claims) return SSFR_OK;
     SSFR_TRY(ssfr_claims_judge(claims, r->words->output));
-    SSFR_TRY(make_folder(r->words->output));
+    SSFR_TRY(ssfr_output_make_folder(r->words->output));
     SSFR_TRY(ssfr_claims_save(claims, r->words->output));
     SSFR_TRY(add_claims(table, claims));
 end:

@@ -281,7 +281,7 @@ refuses 'which must tell their rows apart' 'rows 1 and 2 of experiments/tiny/pub
 cp keep.yaml experiments/tiny/tab1.yaml
 rm -rf results
 : >results
-refuses 'a file is no folder' 'results' reproduce tiny/tab1
+refuses 'a file is no folder' 'reproduce: results: File exists' reproduce tiny/tab1
 rm results
 refuses 'a folder must have its own' 'absent/results: No such file' reproduce tiny/tab1 -o absent/results
 that 'nothing is left of all this' [ ! -e results ]
