@@ -358,9 +358,8 @@ static ssfr_result run(command *c)
 {
     ssfr_result result = SSFR_OK;
     const layout *l = c->layout;
-    bool resumed;
     if (c->words.output) SSFR_TRY(ssfr_output_check_file(c->words.output));
-    SSFR_TRY(ssfr_ledger_begin(&c->table, c->words.output, l->n_columns, l->columns, l->n_keys, false, &resumed));
+    SSFR_TRY(ssfr_ledger_begin_aside(&c->table, c->words.output, l->n_columns, l->columns, l->n_keys));
     SSFR_TRY(c->is_view ? measure_views(c) : measure_plane(c));
     if (c->words.output) SSFR_TRY(save_meta(c));
     SSFR_TRY(ssfr_shown_print(&c->table, l->title, c->is_view ? NULL : is_shown_period, l->shown, l->n_shown));
@@ -397,7 +396,7 @@ int ssfr_bench_flow(int argc, char **argv)
     SSFR_TRY(check_views(&c));
     SSFR_TRY(run(&c));
 end:
-    ssfr_ledger_finish(&c.table);
+    result = ssfr_ledger_end(&c.table, result);
     close_view(&c);
     for (int i = 0; i < c.n_scenes; i++) ssfr_record_finish(&c.scenes[i]);
     return ssfr_exit_status(result);

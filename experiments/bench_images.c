@@ -122,10 +122,9 @@ static ssfr_result run(bench *b, int argc, char **argv)
     ssfr_result result = SSFR_OK;
     const char *path = b->words.output;
     char title[256];
-    bool resumed;
     if (path) SSFR_TRY(ssfr_output_check_file(path));
     SSFR_TRY(run_frame(b));
-    SSFR_TRY(ssfr_ledger_begin(&b->table, path, SSFR_COUNT(columns), columns, N_KEYS, false, &resumed));
+    SSFR_TRY(ssfr_ledger_begin_aside(&b->table, path, SSFR_COUNT(columns), columns, N_KEYS));
     SSFR_TRY(add_all(b));
     if (path) SSFR_TRY(save_meta(b, argc, argv));
     snprintf(title, sizeof title, "%s of %s, %dx%d px:", ssfr_pipeline_name(b->setup.pipeline), b->stage->name,
@@ -161,7 +160,7 @@ int ssfr_bench_images(int argc, char **argv)
     SSFR_TRY(ssfr_play_check(&b.stage_options));
     SSFR_TRY(run(&b, argc, argv));
 end:
-    ssfr_ledger_finish(&b.table);
+    result = ssfr_ledger_end(&b.table, result);
     ssfr_stage_destroy(&b.stage);
     ssfr_setup_finish(&b.setup);
     return ssfr_exit_status(result);

@@ -201,12 +201,11 @@ static ssfr_result save_meta(const bench *b, int argc, char **argv)
 static ssfr_result run(bench *b, int argc, char **argv)
 {
     ssfr_result result = SSFR_OK;
-    bool resumed;
     const char *path = b->words.output;
     if (path) SSFR_TRY(ssfr_output_check_file(path));
-    SSFR_TRY(ssfr_ledger_begin(&b->table, path, SSFR_COUNT(columns), columns, N_KEYS, false, &resumed));
-    if (path) SSFR_TRY(save_meta(b, argc, argv));
+    SSFR_TRY(ssfr_ledger_begin_aside(&b->table, path, SSFR_COUNT(columns), columns, N_KEYS));
     SSFR_TRY(add_all(b));
+    if (path) SSFR_TRY(save_meta(b, argc, argv));
     SSFR_TRY(ssfr_shown_print(&b->table, "Each curve where it is farthest from exact:", is_worst, shown,
                               SSFR_COUNT(shown)));
     if (path && !b->words.no_plot)
@@ -230,7 +229,7 @@ int ssfr_bench_kernels(int argc, char **argv)
     if (b.line.help) goto end;
     SSFR_TRY(run(&b, argc, argv));
 end:
-    ssfr_ledger_finish(&b.table);
+    result = ssfr_ledger_end(&b.table, result);
     for (int i = 0; i < 2; i++) ssfr_texels_finish(&b.ramps[i]);
     ssfr_texels_finish(&b.perlin);
     return ssfr_exit_status(result);

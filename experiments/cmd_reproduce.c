@@ -5,14 +5,11 @@
 #include "experiments/console.h"
 #include "experiments/interrupt.h"
 #include "experiments/options.h"
+#include "experiments/output.h"
 #include "experiments/papers.h"
 #include "experiments/recipe.h"
 #include "experiments/scenes/make.h"
 #include "experiments/sweep.h"
-
-#include <errno.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { MOST_PATH = 4096 };
 
@@ -74,6 +71,14 @@ end:
     return result;
 }
 
+/* As rules name its table. */
+static ssfr_result check_name(const item *it, const char *path)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
+    if (it->item[strspn(it->item, letters)] == '\0' && !strchr("0123456789", it->item[0])) return SSFR_OK;
+    return ssfr_fail(SSFR_ERR_VALUE, "%s: an item's name is letters, digits and _, and begins with no digit", path);
+}
+
 static ssfr_result name_item(item *it)
 {
     return ssfr_text_print(&it->name, "a name", "%s/%s", it->paper->name, it->item);
@@ -97,6 +102,7 @@ static ssfr_result read_item(reproduction *r, item *it)
     SSFR_TRY(name_item(it));
     snprintf(name, sizeof name, "%s.yaml", it->item);
     ssfr_papers_path(r->papers, it->paper->name, name, path);
+    SSFR_TRY(check_name(it, path));
     SSFR_TRY(ssfr_papers_read(r->papers, it->paper->name, name, &text, &size));
     SSFR_TRY(ssfr_recipe_parse(&it->recipe, path, text, size));
     if (!it->recipe) SSFR_TRY(read_sweep(r, it, path, text, size));
@@ -202,19 +208,13 @@ end:
 
 /* ---- running ----------------------------------------------------------------------------------------------------- */
 
-static ssfr_result make_folder(const char *path)
-{
-    if (mkdir(path, 0777) == 0 || errno == EEXIST) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
-}
-
 static ssfr_result make_folders(const reproduction *r, const char *paper)
 {
     ssfr_result result = SSFR_OK;
     char path[MOST_PATH];
-    SSFR_TRY(make_folder(r->words->output));
+    SSFR_TRY(ssfr_output_make_folder(r->words->output));
     snprintf(path, sizeof path, "%s/%s", r->words->output, paper);
-    SSFR_TRY(make_folder(path));
+    SSFR_TRY(ssfr_output_make_folder(path));
 end:
     return result;
 }
@@ -276,7 +276,7 @@ static ssfr_result judge(const reproduction *r, size_t paper, ssfr_table *table)
     ssfr_claims *claims = r->claims[paper];
     if (!claims) return SSFR_OK;
     SSFR_TRY(ssfr_claims_judge(claims, r->words->output));
-    SSFR_TRY(make_folder(r->words->output));
+    SSFR_TRY(ssfr_output_make_folder(r->words->output));
     SSFR_TRY(ssfr_claims_save(claims, r->words->output));
     SSFR_TRY(add_claims(table, claims));
 end:

@@ -5,7 +5,7 @@
 #include <stdarg.h>
 #include <unistd.h>
 
-enum { BAR_CELLS = 30 };              /* characters */
+enum { BAR_CELLS = 30 /* characters */, MOST_WORKS = 4 };
 static const double bar_period = 0.1; /* s between two drawings */
 
 static ssfr_level shown = SSFR_WARNING;
@@ -44,14 +44,30 @@ ssfr_level ssfr_console_shown(void)
     return shown;
 }
 
+double ssfr_console_begun(const char *what, size_t done, size_t total, double now)
+{
+    static struct {
+        char what[64];
+        double begun;
+    } works[MOST_WORKS]; /* each part of the one before */
+    static int n;
+    int i = 0;
+    while (i < n && strncmp(works[i].what, what, sizeof works[i].what - 1) != 0) i++;
+    if (i == n) {
+        i = ssfr_min_int(n, MOST_WORKS - 1);
+        snprintf(works[i].what, sizeof works[i].what, "%s", what);
+        works[i].begun = now;
+    }
+    n = done < total ? i + 1 : i; /* what is told of has no part that still goes on */
+    return works[i].begun;
+}
+
 void ssfr_console_progress(const char *what, size_t done, size_t total)
 {
-    static double begun, drawn;
-    static bool running;
+    static double drawn;
     const double now = ssfr_clock();
     if (shown < SSFR_WARNING || !isatty(STDERR_FILENO)) return;
-    if (done == 0 && !running) begun = now; /* told again and again, until the first is done */
-    running = done < total;
+    const double begun = ssfr_console_begun(what, done, total, now);
     if (done >= total) {
         remove_bar();
     } else if (now - drawn >= bar_period) {

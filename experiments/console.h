@@ -15,6 +15,9 @@ ssfr_level ssfr_console_shown(void);
 /* A progress bar with the time left while stderr is a terminal and not -q, else nothing. `done` of `total`, which may
  * be called as often as is convenient; done == total removes the bar. */
 void ssfr_console_progress(const char *what, size_t done, size_t total);
+/* When the work of that name was first told of, s, where `now` is the time now: it may be part of other work, which
+ * began before. done == total ends it. */
+double ssfr_console_begun(const char *what, size_t done, size_t total, double now);
 
 /* Rows of cells printed with aligned columns on a terminal and separated by tabs into a pipe. Cells are copied. */
 typedef struct ssfr_table {

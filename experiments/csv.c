@@ -394,7 +394,7 @@ bool ssfr_csv_has(ssfr_csv *csv, const char *const *key)
     return found;
 }
 
-bool ssfr_csv_resumed(const ssfr_csv *csv)
+size_t ssfr_csv_resumed(const ssfr_csv *csv)
 {
-    return csv->before && csv->before->n_rows > 0;
+    return csv->before ? csv->before->n_rows : 0;
 }

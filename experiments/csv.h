@@ -47,8 +47,8 @@ void ssfr_csv_destroy(ssfr_csv **csv);
 /* True when the file that was resumed holds a row of this key. */
 bool ssfr_csv_has(ssfr_csv *csv, const char *const *key);
 
-/* True when the file that was resumed held a row. */
-bool ssfr_csv_resumed(const ssfr_csv *csv);
+/* How many rows the file held that was resumed. */
+size_t ssfr_csv_resumed(const ssfr_csv *csv);
 
 /* The next cell. Numbers have up to 9 significant digits, or are NaN, inf, -inf. */
 SSFR_MUST ssfr_result ssfr_csv_text(ssfr_csv *csv, const char *text);

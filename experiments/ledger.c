@@ -40,10 +40,30 @@ end:
     return result;
 }
 
+ssfr_result ssfr_ledger_begin_aside(ssfr_ledger *ledger, const char *path, int n_columns, const ssfr_column *columns,
+                                    int n_keys)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_aside aside = {0};
+    bool resumed;
+    *ledger = (ssfr_ledger){0};
+    if (path) SSFR_TRY(ssfr_aside_begin(&aside, path));
+    result = ssfr_ledger_begin(ledger, aside.temporary, n_columns, columns, n_keys, false, &resumed);
+end:
+    ledger->aside = aside;
+    return result;
+}
+
 void ssfr_ledger_finish(ssfr_ledger *ledger)
 {
     ssfr_csv_destroy(&ledger->csv);
     ssfr_table_finish(&ledger->cells);
+}
+
+ssfr_result ssfr_ledger_end(ssfr_ledger *ledger, ssfr_result so_far)
+{
+    ssfr_ledger_finish(ledger);
+    return ssfr_aside_end(&ledger->aside, so_far);
 }
 
 bool ssfr_ledger_has(const ssfr_ledger *ledger, const char *const *keys)

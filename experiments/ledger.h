@@ -16,12 +16,18 @@ typedef struct ssfr_ledger {
     int n_columns, n_keys;
     ssfr_table cells; /* the header, then the rows */
     ssfr_csv *csv;    /* NULL for none */
+    ssfr_aside aside; /* of a table that is not gone on with */
 } ssfr_ledger;
 
 /* path NULL: no file. With `resume` the rows that the file holds are taken over; *resumed: it had some. */
 SSFR_MUST ssfr_result ssfr_ledger_begin(ssfr_ledger *ledger, const char *path, int n_columns,
-                                        const ssfr_column *columns, int n_keys, bool resume, bool *resumed);
+                                          const ssfr_column *columns, int n_keys, bool resume, bool *resumed);
+/* The same for one that nothing goes on with: what stands at path stays until ssfr_ledger_end. */
+SSFR_MUST ssfr_result ssfr_ledger_begin_aside(ssfr_ledger *ledger, const char *path, int n_columns,
+                                              const ssfr_column *columns, int n_keys);
 void ssfr_ledger_finish(ssfr_ledger *ledger);
+/* Finishes; a table begun aside is put in its place when so_far is SSFR_OK, else it is gone. */
+SSFR_MUST ssfr_result ssfr_ledger_end(ssfr_ledger *ledger, ssfr_result so_far);
 
 bool ssfr_ledger_has(const ssfr_ledger *ledger, const char *const *keys);
 /* Adds a row of n_keys keys, the status, and a number for each of the other columns, NaN where numbers is NULL; not

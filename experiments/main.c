@@ -9,7 +9,7 @@ static void print_help(FILE *file)
                   "costs in milliseconds and in error.\n\n");
     for (size_t i = 0; i < SSFR_N_COMMANDS; i++)
         fprintf(file, "  %-12s%s\n", ssfr_commands[i].name, ssfr_commands[i].help);
-    fprintf(file, "\n'ssfr COMMAND --help' lists a command's options.\n"
+    fprintf(file, "\n'ssfr COMMAND --help', or 'ssfr help COMMAND', lists a command's options.\n"
                   "Exit status: 0, 1 (a comparison or check failed), 2 (bad usage or bad input).\n");
 }
 
@@ -21,12 +21,26 @@ static int close_stdout(int status)
     return ssfr_exit_status(ssfr_fail(SSFR_ERR_IO, "cannot write to standard output"));
 }
 
+static int fail_unknown(const char *word)
+{
+    return ssfr_exit_status(ssfr_fail(SSFR_ERR_UNKNOWN, "unknown command %s (ssfr --help lists them)", word));
+}
+
+/* "ssfr help COMMAND" is "ssfr COMMAND --help". */
+static int help_of(char *word)
+{
+    char option[] = "--help", *argv[] = {word, option, NULL};
+    const ssfr_command *command = ssfr_command_find(word);
+    return command ? close_stdout(command->run(2, argv)) : fail_unknown(word);
+}
+
 int main(int argc, char **argv)
 {
     const char *word = argc > 1 ? argv[1] : "";
     const ssfr_command *command = ssfr_command_find(word);
     ssfr_console_open(command ? command->name : NULL);
     if (command) return close_stdout(command->run(argc - 1, argv + 1));
+    if (strcmp(word, "help") == 0 && argc > 2) return help_of(argv[2]);
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0) {
         print_help(stdout);
         return close_stdout(SSFR_EXIT_OK);
@@ -35,8 +49,7 @@ int main(int argc, char **argv)
         printf("ssfr %s\n", ssfr_version());
         return close_stdout(SSFR_EXIT_OK);
     }
-    if (argc > 1)
-        return ssfr_exit_status(ssfr_fail(SSFR_ERR_UNKNOWN, "unknown command %s (ssfr --help lists them)", word));
+    if (argc > 1) return fail_unknown(word);
     print_help(stderr);
     return SSFR_EXIT_BAD;
 }

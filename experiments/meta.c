@@ -306,8 +306,8 @@ ssfr_result ssfr_meta_check(const char *table, uint64_t identity)
         result = ssfr_fail(SSFR_ERR_FORMAT, "%s: has no identity, it is not of this program", path);
     else if (strtoull(at + strlen(key), NULL, 16) != identity)
         result = ssfr_fail(SSFR_ERR_VALUE,
-                           "%s: was measured with other settings, scenes, hardware or another build: nothing to "
-                           "resume; -o puts it elsewhere",
+                           "%s: was measured with other settings, scenes, hardware or another build, or at another "
+                           "scale: nothing to resume; measure it anew, or elsewhere with -o",
                            table);
 end:
     free(text);

@@ -75,8 +75,9 @@ ssfr_result ssfr_output_check_folder(const char *path)
 
 ssfr_result ssfr_output_make_folder(const char *path)
 {
-    if (is_folder(path) || mkdir(path, 0777) == 0) return SSFR_OK;
-    return ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
+    const int code = mkdir(path, 0777) == 0 ? 0 : errno;
+    if (code == 0 || is_folder(path)) return SSFR_OK; /* asked afterwards: another process may make it, too */
+    return ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(code));
 }
 
 ssfr_result ssfr_output_check_resume(bool resume, const char *output)

@@ -283,6 +283,9 @@ static ssfr_result check_added(const ssfr_sweep_spec *spec)
         if (!fits)
             return ssfr_fail(SSFR_ERR_UNKNOWN, "%s: added: %s is no column of errors", against->where,
                              against->added[i]);
+        for (int k = 0; k < i; k++)
+            if (strcmp(against->added[k], against->added[i]) == 0)
+                return ssfr_fail(SSFR_ERR_VALUE, "%s: added: %s stands twice", against->where, against->added[i]);
     }
     if (against->n_added && !against->cells.n)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: added: to what? there is no against", against->where);

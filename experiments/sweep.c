@@ -8,6 +8,7 @@
 #include "experiments/interrupt.h"
 #include "experiments/means.h"
 #include "experiments/meta.h"
+#include "experiments/output.h"
 #include "experiments/rig.h"
 #include "experiments/scenes/make.h"
 
@@ -48,7 +49,7 @@ typedef struct sweep {
     } added[SSFR_MAX_ADDED];
     ssfr_column meanings[N_SAID + SSFR_MAX_ADDED]; /* of the columns behind the status */
     int on[SSFR_MAX_ON]; /* keys that published numbers are joined by */
-    size_t n_failed;
+    size_t n_failed, n_there; /* runs that failed; that the table had before */
 } sweep;
 
 static const char *pipeline_of_first(const sweep *s)
@@ -251,19 +252,22 @@ static ssfr_result make_row(sweep *s, const size_t index[SSFR_MAX_AXES], const k
     return write_row(s, k, ran == SSFR_OK ? "ok" : error[0] ? error : ssfr_result_text(ran), &row);
 }
 
-/* Makes the runs of this shard that the table lacks, or counts them. */
+/* Makes the runs of this shard that the table lacks, until a signal comes; or counts them all. */
 static ssfr_result visit_runs(sweep *s, bool count_only, size_t *n)
 {
     ssfr_result result = SSFR_OK;
     const size_t total = *n;
     size_t done = 0;
-    for (size_t i = 0; i < s->n_runs && !ssfr_interrupt_came(); i++) {
+    for (size_t i = 0; i < s->n_runs && (count_only || !ssfr_interrupt_came()); i++) {
         size_t index[SSFR_MAX_AXES];
         key k;
         if (!in_shard(s, i)) continue;
         ssfr_sweep_spec_run(s->spec, i, index);
         fill_key(s, index, &k);
-        if (ssfr_csv_has(s->csv, k.cells)) continue;
+        if (ssfr_csv_has(s->csv, k.cells)) {
+            s->n_there += count_only;
+            continue;
+        }
         bool made = true;
         if (!count_only) {
             ssfr_console_progress(s->o->what ? s->o->what : "sweep", done, total);
@@ -420,6 +424,15 @@ static ssfr_result save_meta(const sweep *s, const scenes *list, uint64_t identi
     return ssfr_meta_save(s->o->output, &meta);
 }
 
+/* An item whose axes have lost values since leaves rows behind, which its claims do not expect. */
+static void warn_of_others(const sweep *s)
+{
+    const size_t n = ssfr_csv_resumed(s->csv);
+    if (s->o->what && n > s->n_there)
+        ssfr_log(SSFR_WARNING, "%s: rows of runs that its item has no more: %zu; claims count them, --anew leaves them "
+                 "out", s->o->output, n - s->n_there);
+}
+
 /* *todo is the number of runs to be made: a table that has all stays as it is, with what stands beside it. */
 static ssfr_result begin_table(sweep *s, size_t *todo)
 {
@@ -430,6 +443,7 @@ static ssfr_result begin_table(sweep *s, size_t *todo)
     SSFR_TRY(ssfr_csv_create(&s->csv, s->o->output, s->n_columns, s->columns, s->n_keys, s->o->resume));
     if (s->o->output && ssfr_csv_resumed(s->csv)) SSFR_TRY(ssfr_meta_check(s->o->output, identity));
     SSFR_TRY(visit_runs(s, true, todo));
+    warn_of_others(s);
     if (*todo == 0 && ssfr_csv_resumed(s->csv)) goto end;
     measure_copies(s);
     if (s->o->output) SSFR_TRY(save_meta(s, &list, identity));
@@ -503,6 +517,7 @@ static ssfr_result run(sweep *s)
     ssfr_result result = SSFR_OK;
     size_t todo = 0;
     const double begun = ssfr_clock();
+    if (s->o->output) SSFR_TRY(ssfr_output_check_file(s->o->output)); /* before scenes are simulated */
     SSFR_TRY(make_rig(s));
     SSFR_TRY(begin_table(s, &todo));
     size_t n = todo;

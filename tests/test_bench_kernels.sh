@@ -33,6 +33,13 @@ cp k.csv before.csv
 accepts 'a second time' bench kernels -o k.csv --no-plot
 that 'gives the same' cmp -s k.csv before.csv
 
+# as on a full disk
+(trap '' XFSZ; ulimit -f 8; "$ssfr" bench kernels -o k.csv --no-plot >out 2>err)
+that 'a table that does not fit is told of' [ $? -eq 2 ]
+that 'in one line' [ "$(grep -c 'k.csv.*: File too large$' err)" -eq 1 ]
+that 'and the one before stays' cmp -s k.csv before.csv
+that 'with nothing beside it' [ "$(ls k.csv*)" = k.csv ]
+
 refuses 'it finds out at once where it cannot write' 'absent/k.csv' bench kernels -o absent/k.csv
 refuses 'it takes no pipeline' 'vanderlaan2009' bench kernels vanderlaan2009
 run bench kernels --help

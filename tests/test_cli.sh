@@ -16,6 +16,9 @@ cp out commands
 for command in $(sed -n 's/^  \([a-z]*\) .*/\1/p' commands); do
     accepts "$command --help leaves with 0" "$command" --help
     that "$command --help shows its usage" grep -q "^usage: ssfr $command" out
+    cp out wanted
+    accepts "help $command leaves with 0" help "$command"
+    that 'and shows the same' cmp -s out wanted
     refuses "$command refuses an unknown option" "unknown option --colour" "$command" --colour red
 done
 run
@@ -23,6 +26,7 @@ that 'no command at all leaves with 2' [ $status -eq 2 ]
 accepts '--version says the version' --version
 that 'the version is a version' grep -Eq '^ssfr [0-9]+\.[0-9]+\.[0-9]+$' out
 refuses 'an unknown command' 'unknown command rendr' rendr
+refuses 'which has no help either' 'unknown command rendr' help rendr
 refuses 'a missing scene' 'too few arguments: usage: ssfr render SCENE' render -o a.png
 refuses 'an argument too many' 'one argument too many: plane' render block plane -o a.png
 refuses 'an unknown scene' 'blok: no such file, and not a built-in scene (splash' render blok -o a.png

@@ -205,6 +205,7 @@ static void a_ratio_that_cannot_be_taken_is_not_measured(void **state)
 {
     assert_not_measured(state, "max(ratio(bare.ms, scene=a, scene=b))", "before its column status");
     assert_not_measured(state, "max(ratio(flow.ms, error_deg=40, error_deg=20))", "error_deg is no key");
+    assert_not_measured(state, "max(ratio(flow.ms, status=ok, status=ok))", "status is no key");
     assert_not_measured(state, "max(ratio(flow.ms, method=old, method=older))", "no row has the number");
     assert_not_measured(state, "max(ratio(flow.ms, steps=0, steps=0|0.0|20))", "2 partners of another steps");
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* test_ledger.c: a table in memory is the one on disk, row for row, also when it is gone on with. */
 #include "experiments/ledger.h"
+#include "tests/disk.h"
 #include "tests/util.h"
 
 static const ssfr_column columns[] = {
@@ -145,6 +146,32 @@ static void another_table_is_not_gone_on_with(void **state)
     ssfr_ledger_finish(&ledger);
 }
 
+static void a_table_made_aside_takes_its_place_when_it_is_whole(void **state)
+{
+    (void)state;
+    const char *path = test_path("aside.csv");
+    static const ssfr_result ends[] = {SSFR_ERR_IO, SSFR_OK, SSFR_ERR_MEMORY};
+    ssfr_ledger ledger;
+    for (size_t i = 0; i < SSFR_COUNT(ends); i++) {
+        assert_int_equal(ssfr_ledger_begin_aside(&ledger, path, SSFR_COUNT(columns), columns, 2), SSFR_OK);
+        add(&ledger, "pool", "8", (double)i, 1);
+        assert_int_equal(ssfr_ledger_end(&ledger, ends[i]), ends[i]);
+        assert_int_equal(test_count_files(path, "aside.csv"), i > 0); /* and nothing lies about */
+    }
+    ssfr_csv_table *table = NULL;
+    assert_int_equal(ssfr_csv_load(&table, path), SSFR_OK);
+    assert_int_equal(table->n_rows, 1);
+    assert_string_equal(ssfr_csv_cell(table, 0, 3), "1"); /* of the second time */
+    ssfr_csv_table_destroy(&table);
+    assert_fails(SSFR_ERR_IO,
+                 ssfr_ledger_begin_aside(&ledger, test_path("absent/t.csv"), SSFR_COUNT(columns), columns, 2),
+                 "absent/t.csv");
+    assert_int_equal(ssfr_ledger_end(&ledger, SSFR_ERR_IO), SSFR_ERR_IO);
+    assert_int_equal(ssfr_ledger_begin_aside(&ledger, NULL, SSFR_COUNT(columns), columns, 2), SSFR_OK); /* no file */
+    add(&ledger, "pool", "8", 1, 1);
+    assert_int_equal(ssfr_ledger_end(&ledger, SSFR_OK), SSFR_OK);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -154,6 +181,7 @@ int main(void)
         cmocka_unit_test(a_row_stands_once),
         cmocka_unit_test(a_table_that_was_cut_off_is_gone_on_with),
         cmocka_unit_test(another_table_is_not_gone_on_with),
+        cmocka_unit_test(a_table_made_aside_takes_its_place_when_it_is_whole),
     };
     return cmocka_run_group_tests(tests, test_capture_log, NULL);
 }

@@ -351,6 +351,7 @@ static void what_cannot_be_held_against_each_other_is_refused(void **state)
         {SSFR_ERR_UNKNOWN, "{variants: {a: {}}, against: {variant: a}, added: [left_out]}",
          "added: left_out is no column of errors"},
         {SSFR_ERR_VALUE, "{added: [ref_flip]}", "spec.yaml:1:2: added: to what? there is no against"},
+        {SSFR_ERR_VALUE, "{added: [ref_flip, ref_iou, ref_flip]}", "spec.yaml:1:2: added: ref_flip stands twice"},
     };
     for (size_t i = 0; i < SSFR_COUNT(cases); i++)
         assert_refused(cases[i].code, cases[i].yaml, NULL, cases[i].message);
