@@ -58,7 +58,8 @@ static double brightest_of(const ssfr_graph *graph, const ssfr_scene *scene, con
     const double light = parameter(graph, "light.intensity");
     double seen = fmax(light, fmax(brightest_pixel(behind), brightest_pixel(scene->environment)));
     for (size_t i = 0; i < SSFR_COUNT(mixed); i++) seen = fmax(seen, largest(graph, mixed[i], false));
-    return seen + light * largest(graph, ".specular", true) + fmax(1, light) * largest(graph, "noise_foam.color_", false);
+    const double added = fmax(1, light) * largest(graph, "noise_foam.color_", false);
+    return seen + light * largest(graph, ".specular", true) + added;
 }
 
 static void bound_depths(ssfr_bounds *bounds, const ssfr_graph *graph, const ssfr_scene *scene)

@@ -219,7 +219,24 @@ refuses 'a path is of a camera that has one' 'path.yaml:1:1: path: bagar2010/bam
     sweep path.yaml --camera close
 refuses 'who follows it says no frame' 'path: the frames follow the camera: --frame says which, too' \
     sweep path.yaml --frame 3
-rm ./*.yaml h.* v.* wanted
+cat >drop.yaml <<'END'
+title: A drop
+radius: 0.05
+particles: 60
+duration: 0.1
+frame_rate: 20
+domain: {lo: [0, 0, 0], hi: [1, 1, 1]}
+fluid: {drop: {lo: [0.3, 0.3, 0.3], hi: [0.6, 0.6, 0.6]}}
+cameras:
+  near: {keys: [{time: 0, eye: [2, 1, 2], target: [0.5, 0.4, 0.5]}, {time: 1, eye: [1, 1, 2], target: [0.5, 0.4, 0.5]}]}
+END
+printf '%s\n' 'scene: drop.yaml' 'size: 32x24' 'backend: cpu' 'frame: 0' 'path: {camera: near, views: 2}' \
+    'vary: {curvature_flow.iterations: [0, 2]}' >path.yaml
+leaves 0 'a path is run' sweep path.yaml $brief --cache frames -o p.csv
+that 'and averaged over its views' [ "$(cut -d, -f1 p_mean.csv | tr '\n' ' ')" = 'curvature_flow.iterations 0 2 ' ]
+that 'with the columns of numbers' \
+    [ "$(column p_mean.csv rows | tr '\n' ' ')$(column p_mean.csv finite | tr '\n' ' ')" = '2 2 1 1 ' ]
+rm -r ./*.yaml h.* v.* p.* p_mean.csv frames wanted
 
 # ---- errors, before anything runs ----
 
