@@ -208,6 +208,9 @@ that 'and is on record' [ "$(grep -c . results/made/bench.made.txt)" -eq 2 ]
 sed -i 's/rough/usual/' experiments/made/pictures.yaml
 refuses 'what is malformed is found out before anything runs' 'pictures.yaml:4:5: the name usual stands twice' \
     reproduce --anew
+echo 'command: [bench, --help]' >experiments/made/bench.yaml
+rm results/made/bench.csv
+refuses 'and to write' 'reproduce: ssfr bench: left no results/made/bench.csv' reproduce made/bench --anew
 rm -r experiments/made before.png
 
 # ---- what a command is told is of it alone ----
