@@ -518,7 +518,8 @@ static ssfr_result put_frame(const ssfr_rig *rig, const cached *c, double bandwi
 /* The next run is the same on the CPU: then the twin is measured now and serves both. */
 static bool cpu_is_next(const ssfr_sweep_spec *spec, const size_t index[SSFR_MAX_AXES])
 {
-    const int last = spec->n_axes - 1;
+    int last = spec->n_axes - 1;
+    while (last > 0 && spec->axes[last].n == 1) last--; /* what is not varied stands anywhere */
     const ssfr_axis *axis = &spec->axes[last];
     return strcmp(axis->key, "backend") == 0 && index[last] + 1 < axis->n &&
            strcmp(axis->values[index[last] + 1], "cpu") == 0;

@@ -67,7 +67,7 @@ static size_t count_group(const sweep *s)
     size_t n = 1;
     for (int i = spec->n_axes - 1; i >= 0; i--) {
         const ssfr_axis *axis = &spec->axes[i];
-        if (strcmp(axis->key, "backend") != 0 && ssfr_rig_makes_frames(s->graph, axis)) break;
+        if (axis->n > 1 && strcmp(axis->key, "backend") != 0 && ssfr_rig_makes_frames(s->graph, axis)) break;
         n *= axis->n;
     }
     return n;

@@ -131,6 +131,15 @@ static void a_missing_table_is_not_measured(void **state)
     assert_cell(folder, 1, "note", "not measured: there is no table fig2");
 }
 
+static void what_was_left_out_is_told_of_what_was_measured_alone(void **state)
+{
+    (void)state;
+    const char *folder = folder_with("nothing", "status,ms\nok,NaN\n", NULL);
+    save("paper", good, folder);
+    assert_cell(folder, 0, "holds", "not measured");
+    assert_cell(folder, 0, "note", "in a dry place; not measured: no row has the number that is asked for");
+}
+
 static void rows_of_other_papers_stay(void **state)
 {
     static const char one[] = "[{id: a, where: b, statement: c, rule: 1 < 2}]",
@@ -229,6 +238,7 @@ int main(void)
         cmocka_unit_test(claims_are_read),
         cmocka_unit_test(a_claim_holds_or_not),
         cmocka_unit_test(a_missing_table_is_not_measured),
+        cmocka_unit_test(what_was_left_out_is_told_of_what_was_measured_alone),
         cmocka_unit_test(rows_of_other_papers_stay),
         cmocka_unit_test(a_table_that_is_none_is_an_error),
         cmocka_unit_test(another_table_is_not_replaced),

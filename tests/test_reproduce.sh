@@ -188,6 +188,10 @@ that 'as they are now' grep -q ',3.75$' results/made/bench.csv
 cp experiments/made/pictures.yaml keep.yaml
 sed -i 's/iterations=0/iterations=1/' experiments/made/pictures.yaml
 refuses 'nor are recipes' 'results/made/pictures.made.txt: was made by other commands' reproduce made/pictures
+sed 's/rough/raw/; s/iterations=1/iterations=0/' experiments/made/pictures.yaml >broken.yaml
+cp experiments/made/pictures.yaml other.yaml && mv broken.yaml experiments/made/pictures.yaml
+refuses 'nor pictures of other names' 'results/made/pictures.made.txt: was made by other' reproduce made/pictures
+mv other.yaml experiments/made/pictures.yaml
 cp results/made/pictures/rough.png before.png
 leaves 0 'which can be made anew' reproduce made/pictures --anew
 that 'to other pictures' sh -c '! cmp -s before.png results/made/pictures/rough.png'
@@ -208,6 +212,9 @@ that 'and is on record' [ "$(grep -c . results/made/bench.made.txt)" -eq 2 ]
 sed -i 's/rough/usual/' experiments/made/pictures.yaml
 refuses 'what is malformed is found out before anything runs' 'pictures.yaml:4:5: the name usual stands twice' \
     reproduce --anew
+echo 'command: [bench, --help]' >experiments/made/bench.yaml
+rm results/made/bench.csv
+refuses 'and to write' 'reproduce: ssfr bench: left no results/made/bench.csv' reproduce made/bench --anew
 rm -r experiments/made before.png
 
 # ---- what a command is told is of it alone ----

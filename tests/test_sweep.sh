@@ -161,6 +161,8 @@ sed 1d s2.csv >>s1.csv
 sed 1d s3.csv >>s1.csv
 that 'three shards make every row once' each_once s1.csv 5
 rm ./s*
+run sweep --scene block --vary curvature_flow.iterations=0:3:1 --backend gl,cpu --dry-run --shard 1/2
+that 'a shard has both backends of a frame' [ "$(cut -d, -f1,4 out | tail -n +2 | tr '\n' ' ')" = '0,gl 0,cpu 2,gl 2,cpu ' ]
 
 # ---- variants, views, and rows that are held against another ----
 
