@@ -506,6 +506,9 @@ static void the_background_is_shifted_by_both_waters(void **state)
     assert_shift(&p, 3, true);
     test_twin_set(p.t, "reject", "0");
     assert_shift(&p, 3, false);
+    test_twin_set(p.t, "reject", "1");
+    for (int i = 0; i < N; i++) p.scene_depth->data[i] = z0; /* as far as the water is not before it */
+    assert_shift(&p, 3, false);
 }
 
 static void b29_shifts_by_pixels_and_rejects_nothing(void **state)
