@@ -336,6 +336,27 @@ static void b11_adds_what_is_mirrored_as_far_as_water_is_before_foam(void **stat
     }
 }
 
+/* What comes through is then listing A.20's c_fluid_wf.w, whatever medium the scene has. */
+static void b11_weighs_by_the_falloff_of_its_colour_model(void **state)
+{
+    static const double base[3] = {0.1, 0.35, 0.4}, falloff[3] = {2.2, 0.65, 0.45};
+    const pond p = begin(state);
+    const double clear = exp(-0.2 * 0.9), weight = fmin(1 - clear + exp(-20 * 0.2), 1) * (1 - clear);
+    double color[3];
+    attenuate_by(&p, 7);
+    test_twin_set(p.t, "fluid_color", "falloff");
+    test_twin_set(p.t, "color_falloff_w", "0.9");
+    test_twin_set(p.t, "foam_falloff_scale", "20");
+    test_twin_set(p.t, "fresnel_bias", "0.3");
+    test_twin_set(p.t, "as_printed", "B11");
+    lay(&p, 0, 0.2, 0.2);
+    copy(color, scene);
+    cover(color, c_fb, 20 * 0.2);
+    for (int k = 0; k < 3; k++)
+        color[k] = base[k] * exp(-0.2 * falloff[k]) * (1 - clear) + color[k] * clear + 0.3 * sky[k] * weight;
+    assert_color(&p, color);
+}
+
 /* ---- what coincides with one layer ------------------------------------------------------------------------------- */
 
 /* The same water by the pass `composite`. */
@@ -485,6 +506,9 @@ static void the_background_is_shifted_by_both_waters(void **state)
     assert_shift(&p, 3, true);
     test_twin_set(p.t, "reject", "0");
     assert_shift(&p, 3, false);
+    test_twin_set(p.t, "reject", "1");
+    for (int i = 0; i < N; i++) p.scene_depth->data[i] = z0; /* as far as the water is not before it */
+    assert_shift(&p, 3, false);
 }
 
 static void b29_shifts_by_pixels_and_rejects_nothing(void **state)
@@ -529,7 +553,8 @@ static void pictures_are_finite_whatever_the_thicknesses_are(void **state)
     static const double extremes[] = {0, 1e-38, 1e5, 1e30, INFINITY, -1, NAN};
     static const char *const models[][2] = {
         {"fluid_color", "falloff"}, {"foam_blend", "power"}, {"foam_pow_scale", "4"},
-        {"as_printed", "B10,B11,B12,B26,B28,B29"}, {"k", "0"}, {"gamma", "1000"}, {"foam_falloff_scale", "0"}};
+        {"as_printed", "B10,B11,B12,B26,B28,B29"}, {"delta_foam", "1e-6"}, {"k", "0"}, {"gamma", "1000"},
+        {"foam_falloff_scale", "0"}};
     const pond p = begin(state);
     attenuate_by(&p, 1);
     test_twin_set(p.t, "fresnel_scale", "1");
@@ -658,6 +683,7 @@ int main(void)
         TEST_TWINS(b12_takes_the_cosine_for_its_opposite),
         TEST_TWINS(the_frontmost_water_mirrors),
         TEST_TWINS(b11_adds_what_is_mirrored_as_far_as_water_is_before_foam),
+        TEST_TWINS(b11_weighs_by_the_falloff_of_its_colour_model),
         TEST_TWINS(without_foam_it_is_the_water_of_composite),
         TEST_TWINS(the_highlight_takes_the_light_that_arrives),
         TEST_TWINS(water_in_the_shade_mirrors_the_sky),

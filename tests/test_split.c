@@ -624,6 +624,27 @@ static void a_border_that_nobody_wants_is_not_written(void **state)
     ssfr_field_destroy(&color);
 }
 
+/* Of the surface that is asked for: depth and normal, or twelve depths. The other's images count for nothing. */
+static void work_is_that_of_its_surface(void **state)
+{
+    const pool p = begin(state, 2);
+    test_twin_give(p.t, "depth", test_field_filled(W, H, 1, -3));
+    test_twin_give(p.t, "normal", test_field_filled(W, H, 3, 0.5));
+    for (int image = 0; image < 2; image++) {
+        size_t bytes, less;
+        test_twin_set(p.t, "surface", image ? "image" : "split");
+        give(&p);
+        ssfr_field *color = (ssfr_field *)run_alone(&p, "color", &bytes);
+        ssfr_field_destroy(&color);
+        assert_true(ssfr_graph_report(p.t->graph)->nodes[0].taps == (image ? 13 : 23));
+        test_twin_give(p.t, image ? "low" : "depth", NULL);
+        color = (ssfr_field *)run_alone(&p, "color", &less);
+        ssfr_field_destroy(&color);
+        assert_int_equal(less, bytes);
+        test_twin_give(p.t, "depth", test_field_filled(W, H, 1, -3));
+    }
+}
+
 static void with_images_there_is_no_border(void **state)
 {
     const pool p = begin(state, 2);
@@ -733,6 +754,7 @@ int main(void)
         TEST_TWINS(foam_beyond_the_water_neither_bends_light_nor_mirrors),
         TEST_TWINS(only_the_surface_that_is_asked_for_is_read),
         TEST_TWINS(a_border_that_nobody_wants_is_not_written),
+        TEST_TWINS(work_is_that_of_its_surface),
         TEST_TWINS(with_images_there_is_no_border),
         TEST_GPU(twins_agree_on_noise),
         TEST_TWINS(split_refuses_values_out_of_range),
