@@ -259,6 +259,26 @@ static void all_stops_and_copies_give_the_same_bits(void **state)
     }
 }
 
+/* A depth that is given may be nearer than the particles in view: these say how many steps there are, whatever ends
+ * them. */
+static void no_pixel_takes_more_steps_than_the_nearest_particle(void **state)
+{
+    static const char *const stops[] = {"none", "query", "bound", "tiles"};
+    static const double ahead[1][3] = {{0, 0, -20}}; /* a graph that draws no splats knows its centre */
+    test_twin *t = begin(state, W, H), *plain = begin_pass(state, "curvature_flow", W, H);
+    const ssfr_field *depth = rough(t);
+    test_twin_place(t, 1, ahead, radius, NULL);
+    set_radius(t, 10.5 * cell(t) * 20);
+    set_dt(t, 0.8 * bound(t, 0.9)), set_dt(plain, 0.8 * bound(t, 0.9));
+    set_iterations(plain, 12);
+    const ssfr_field *expected = smooth(plain, depth);
+    for (size_t k = 0; k < SSFR_COUNT(stops); k++) {
+        test_twin_set(t, "stop", "%s", stops[k]);
+        assert_same_flow(t, smooth(t, depth), expected);
+        assert_true(report(t)->iterations == (k == 0 ? 256 : k == 1 ? 15 : 12));
+    }
+}
+
 /* On one terrace all pixels take n steps: sweep n is the first that changes nothing. */
 static void the_report_says_how_many_sweeps_there_were(void **state)
 {
@@ -694,6 +714,7 @@ int main(void)
         TEST_TWINS(the_radius_is_measured_along_rows),
         TEST_TWINS(steps_are_the_plain_flow),
         TEST_TWINS(all_stops_and_copies_give_the_same_bits),
+        TEST_TWINS(no_pixel_takes_more_steps_than_the_nearest_particle),
         TEST_TWINS(the_report_says_how_many_sweeps_there_were),
         TEST_TWINS(tiles_that_are_done_are_left_out_and_no_bit_changes),
         TEST_TWINS(the_report_says_how_many_tiles_were_drawn),
