@@ -35,7 +35,6 @@ static void put_label(const ssfr_csv_table *table, const char *column, const cha
         ssfr_column_label(ssfr_column_find(column), at >= 0 ? table->cells[at] : column, text, size);
 }
 
-/* "splat point": a parameter is told by its last word, the rest by the value alone. */
 static void fill_panel(const ssfr_csv_table *table, const ssfr_plot_spec *spec, texts *t, ssfr_panel *panel)
 {
     put_label(table, spec->x, spec->x_label, t->x, sizeof t->x);
@@ -43,8 +42,8 @@ static void fill_panel(const ssfr_csv_table *table, const ssfr_plot_spec *spec, 
     *panel = (ssfr_panel){
         .title = spec->title ? spec->title : "", .x = spec->x, .y = spec->y, .x_label = t->x, .y_label = t->y};
     for (int i = 0; i < spec->n_lines; i++) {
-        const char *dot = strrchr(spec->lines[i], '.');
-        snprintf(t->before[i], sizeof t->before[i], "%s%s", dot ? dot + 1 : "", dot ? " " : "");
+        const char *word = ssfr_column_word(spec->lines[i]);
+        snprintf(t->before[i], sizeof t->before[i], "%s%s", word, word[0] ? " " : "");
         panel->keys[i].column = spec->lines[i];
         panel->keys[i].before = t->before[i];
     }

@@ -92,15 +92,15 @@ static bool is_chosen(const plot *p, size_t row)
     return chosen;
 }
 
-/* "splat point, gl": a parameter is told by its last word, the rest by the value alone. */
+/* "splat point, gl" */
 static void name_row(const plot *p, size_t row, char name[NAME_SIZE])
 {
     size_t used = 0;
     name[0] = '\0';
     for (int i = 0; i < p->spec->n_lines && used < NAME_SIZE; i++) {
-        const char *dot = strrchr(p->spec->lines[i], '.');
-        used += (size_t)snprintf(name + used, NAME_SIZE - used, "%s%s%s%s", i ? ", " : "", dot ? dot + 1 : "",
-                                 dot ? " " : "", ssfr_csv_cell(p->table, row, p->lines[i]));
+        const char *word = ssfr_column_word(p->spec->lines[i]);
+        used += (size_t)snprintf(name + used, NAME_SIZE - used, "%s%s%s%s", i ? ", " : "", word, word[0] ? " " : "",
+                                 ssfr_csv_cell(p->table, row, p->lines[i]));
     }
 }
 
