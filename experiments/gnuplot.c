@@ -108,8 +108,13 @@ void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
     if (hi / lo < 10) {
         const double unit = pow(10, floor(log10((hi - lo) / 4))), ratio = (hi - lo) / 4 / unit;
         const double step = unit * (ratio > 5 ? 5 : ratio > 2 ? 2 : 1);
-        for (double i = ceil(lo / step); i * step <= hi; i++)
-            fprintf(script, "set %ctics add (%.9g)\n", name, i * step);
+        const double apart = name == 'x' ? 0.11 : 0.05; /* of the axis, which numbers beside each other need */
+        double last = 0;
+        for (double tic = step * ceil(lo / step); tic <= hi; tic += step) {
+            if (last > 0 && log(tic / last) < apart * log(hi / lo)) continue;
+            fprintf(script, "set %ctics add (%.9g)\n", name, tic);
+            last = tic;
+        }
         return;
     }
     const double decades = log10(hi / lo), stride = name == 'x' ? ceil(decades / most_decades) : 1;
