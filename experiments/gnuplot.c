@@ -77,7 +77,7 @@ int ssfr_gnuplot_lines(FILE *script, const char *text, int width, int font)
     return n;
 }
 
-enum { KEY_FONT = 13, KEY_LINE = 20, KEY_SAMPLE = 40, KEY_MARGIN = 20 }; /* px */
+enum { KEY_FONT = 13, KEY_LINE = 20, KEY_SAMPLE = 50, KEY_MARGIN = 20 }; /* px */
 
 ssfr_gnuplot_key ssfr_gnuplot_key_fit(size_t n, size_t longest, int width)
 {
