@@ -238,7 +238,8 @@ end:
 }
 
 /* "views_5.1_steps.png" beside views.csv. */
-static ssfr_result save_picture(const command *c, const char *what, const ssfr_field *image, const char *unit, double hi)
+static ssfr_result save_picture(const command *c, const char *what, const ssfr_field *image, const char *unit,
+                                double hi)
 {
     char end[128];
     char *path = NULL;

@@ -28,7 +28,7 @@ typedef struct curves {
     double lo[2], hi[2];               /* of what is drawn: x, y */
     bool whole[2];                     /* all of these are whole numbers */
     ssfr_gnuplot_key key;
-    int top, bottom, below;            /* px from the drawing's top: of the frame, and of what stands below the x label */
+    int top, bottom, below;            /* px from the drawing's top: of the frame, and of the key */
 } curves;
 
 typedef struct chart {
@@ -220,7 +220,8 @@ static void put_curves(const chart *ch, int p, FILE *script)
 
 static ssfr_gnuplot_key fit_key(const ssfr_panel *panel, const curves *c)
 {
-    const char *more[] = {panel->levels[0] != 0 ? panel->level_text : NULL, panel->mark[0] > 0 ? panel->mark_text : NULL};
+    const char *more[] = {panel->levels[0] != 0 ? panel->level_text : NULL,
+                          panel->mark[0] > 0 ? panel->mark_text : NULL};
     size_t n = 0, longest = 0;
     for (size_t i = 0; i < c->n + SSFR_COUNT(more); i++) {
         const char *name = i < c->n ? c->names[i] : more[i - c->n];

@@ -12,6 +12,8 @@
 #include "experiments/scenes/make.h"
 #include "experiments/sweep.h"
 
+#include <unistd.h>
+
 enum { MOST_PATH = 4096 };
 
 typedef struct reproduce_words {
@@ -31,7 +33,8 @@ static const ssfr_option rows[] = {
         "DIR/claims.csv", 0, 0),
     ROW(anew, "anew", 0, FLAG, NULL, "measure anew: rows that are there do not stay", 0, 0),
     ROW(claims, "claims", 0, FLAG, NULL, "measure nothing: hold the tables that are there to the claims", 0, 0),
-    ROW(figures, "figures", 0, FLAG, NULL, "measure nothing: draw the figures of the sweeps that are there again", 0, 0),
+    ROW(figures, "figures", 0, FLAG, NULL, "measure nothing: draw the figures of the sweeps that are there again", 0,
+        0),
     ROW(list, "list", 0, FLAG, NULL, "list papers, items, titles and numbers of runs, and leave", 0, 0),
     ROW(max_time, "max-time", 0, NUMBER, "S", "cap the timed frames of a row, s; one is always timed", 1e-3, 1e6),
     SSFR_OPTION_END,

@@ -81,7 +81,7 @@ enum { KEY_FONT = 13, KEY_LINE = 20, KEY_SAMPLE = 50, KEY_MARGIN = 20 }; /* px *
 
 ssfr_gnuplot_key ssfr_gnuplot_key_fit(size_t n, size_t longest, int width)
 {
-    static const double key_letter = 9.3; /* px, what gnuplot itself reserves for a letter in all columns but the last */
+    static const double key_letter = 9.3; /* px, what gnuplot reserves for a letter in all columns but the last */
     const double pitch = KEY_SAMPLE + key_letter * (double)longest, last = KEY_SAMPLE + width_of(longest, KEY_FONT);
     const size_t columns = last < width ? 1 + (size_t)((width - last) / pitch) : 1;
     const size_t rows = (n + columns - 1) / columns;
