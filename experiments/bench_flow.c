@@ -6,10 +6,11 @@
 #include "experiments/output.h"
 #include "experiments/setup.h"
 #include "experiments/shown.h"
+#include "experiments/slot_picture.h"
 
 typedef struct words {
     const char *output;
-    bool quick, no_plot;
+    bool quick, pictures, no_plot;
     ssfr_list views;
     ssfr_bumps_setup bumps;
 } words;
@@ -20,6 +21,10 @@ static const ssfr_option rows[] = {
     ROW(views, "view", 0, LIST, "NAME=SCENE,CAMERA,FRAME",
         "in the place of SCENE: a view of that name; can be repeated, for a table of several", 0, 0),
     ROW(quick, "quick", 0, FLAG, NULL, "without a scene: three distances instead of ten", 0, 0),
+    ROW(pictures, "pictures", 0, FLAG, NULL,
+        "of views: write FILE_NAME_before.png and _after.png, the magnitude of the mean curvature from 0 to 1 over the "
+        "particle radius, and _steps.png, from none to the most that a pixel takes, in false colours",
+        0, 0),
     ROW(no_plot, "no-plot", 0, FLAG, NULL, "draw no chart", 0, 0),
     SSFR_OPTION_END,
 };
@@ -200,13 +205,20 @@ end:
     return result;
 }
 
+/* That any pixel takes. */
+static int most_steps(const ssfr_flow_pixels *p)
+{
+    int most = p->most;
+    while (most > 0 && p->counts[most] == 0) most--;
+    return most;
+}
+
 /* The fewest and the most that any pixel takes. */
 static ssfr_result add_range(command *c, const ssfr_flow_pixels *p)
 {
     ssfr_result result = SSFR_OK;
-    int ends[2] = {0, p->most};
-    while (ends[0] < p->most && p->counts[ends[0]] == 0) ends[0]++;
-    while (ends[1] > 0 && p->counts[ends[1]] == 0) ends[1]--;
+    int ends[2] = {0, most_steps(p)};
+    while (ends[0] < ends[1] && p->counts[ends[0]] == 0) ends[0]++;
     for (int i = 0; i < 2 && p->n > 0; i++)
         SSFR_TRY(add_view_row(c, "range", i, (double)p->counts[ends[i]], NAN, ends[i], NAN));
 end:
@@ -225,6 +237,31 @@ end:
     return result;
 }
 
+/* "views_5.1_steps.png" beside views.csv. */
+static ssfr_result save_picture(const command *c, const char *what, const ssfr_field *image, const char *unit,
+                                double hi)
+{
+    char end[128];
+    char *path = NULL;
+    snprintf(end, sizeof end, "%s%s_%s.png", c->name[0] ? "_" : "", c->name, what);
+    const ssfr_false_colours colours = {.name = what, .unit = unit, .neutral = NAN, .lo = 0, .hi = hi};
+    ssfr_result result = ssfr_meta_path(&path, c->words.output, end);
+    if (result == SSFR_OK) result = ssfr_false_colours_save(path, image, &colours);
+    free(path);
+    return result;
+}
+
+static ssfr_result save_pictures(const command *c, const ssfr_flow_pixels *p)
+{
+    ssfr_result result = SSFR_OK;
+    const double most = 1 / c->stage->particles->radius; /* 1/m */
+    SSFR_TRY(save_picture(c, "before", p->before.image, "1/m", most));
+    SSFR_TRY(save_picture(c, "after", p->after.image, "1/m", most));
+    SSFR_TRY(save_picture(c, "steps", p->steps, "", most_steps(p)));
+end:
+    return result;
+}
+
 static ssfr_result look(command *c)
 {
     ssfr_result result = SSFR_OK;
@@ -235,6 +272,7 @@ static ssfr_result look(command *c)
     SSFR_TRY(add_range(c, &p));
     SSFR_TRY(add_curvatures(c, "before", &p.before));
     SSFR_TRY(add_curvatures(c, "after", &p.after));
+    if (c->words.pictures) SSFR_TRY(save_pictures(c, &p));
 end:
     ssfr_flow_pixels_finish(&p);
     return result;
@@ -307,6 +345,8 @@ static ssfr_result check_views(command *c)
     if (views->n > 0 && scenes->n > 0)
         return ssfr_fail(SSFR_ERR_VALUE, "%s: beside --view, which names scenes of its own", scenes->items[0]);
     if (views->n > MOST_VIEWS) return ssfr_fail(SSFR_ERR_VALUE, "--view: %d views, at most %d", (int)views->n, MOST_VIEWS);
+    if (c->words.pictures && !(c->is_view && c->words.output))
+        return ssfr_fail(SSFR_ERR_VALUE, "--pictures: they are of views, and stand beside -o FILE.csv");
     if (scenes->n) SSFR_TRY(ssfr_scene_find(scenes->items[0], &source));
     for (int i = 0; i < (int)views->n; i++) {
         SSFR_TRY(split_view(c, views->items[i], scene));

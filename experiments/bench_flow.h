@@ -67,12 +67,14 @@ SSFR_MUST ssfr_result ssfr_bumps_measure(const ssfr_bumps_setup *setup, ssfr_bum
 typedef struct ssfr_flow_curvatures {
     size_t n;       /* pixels without a silhouette in their way */
     double *values; /* magnitudes of the mean curvature there, 1/m, rising */
+    ssfr_field *image; /* the same where they are; NaN elsewhere */
 } ssfr_flow_curvatures;
 
 typedef struct ssfr_flow_pixels {
     size_t n;       /* pixels with a surface */
     int most;       /* steps that any of them may take; parts count as such */
     size_t *counts; /* [most + 1]: that take so many, by their depth before the first */
+    ssfr_field *steps; /* of each pixel; NaN where no surface is */
     ssfr_flow_curvatures before, after;
 } ssfr_flow_pixels;
 

@@ -3,6 +3,7 @@
 #include "experiments/claims.h"
 #include "experiments/command.h"
 #include "experiments/console.h"
+#include "experiments/figures.h"
 #include "experiments/interrupt.h"
 #include "experiments/options.h"
 #include "experiments/output.h"
@@ -11,13 +12,15 @@
 #include "experiments/scenes/make.h"
 #include "experiments/sweep.h"
 
+#include <unistd.h>
+
 enum { MOST_PATH = 4096 };
 
 typedef struct reproduce_words {
     const char *output;
     int scale; /* ssfr_scale */
     double max_time;
-    bool list, claims, anew;
+    bool list, claims, figures, anew;
 } reproduce_words;
 
 #define ROW(...) SSFR_OPTION(reproduce_words, __VA_ARGS__)
@@ -30,6 +33,8 @@ static const ssfr_option rows[] = {
         "DIR/claims.csv", 0, 0),
     ROW(anew, "anew", 0, FLAG, NULL, "measure anew: rows that are there do not stay", 0, 0),
     ROW(claims, "claims", 0, FLAG, NULL, "measure nothing: hold the tables that are there to the claims", 0, 0),
+    ROW(figures, "figures", 0, FLAG, NULL, "measure nothing: draw the figures of the sweeps that are there again", 0,
+        0),
     ROW(list, "list", 0, FLAG, NULL, "list papers, items, titles and numbers of runs, and leave", 0, 0),
     ROW(max_time, "max-time", 0, NUMBER, "S", "cap the timed frames of a row, s; one is always timed", 1e-3, 1e6),
     SSFR_OPTION_END,
@@ -238,6 +243,14 @@ static ssfr_result run_recipe(const reproduction *r, const item *it, const char 
     return ssfr_recipe_run(it->recipe, &options);
 }
 
+/* Those of a sweep whose table is there; other commands draw theirs when they make the table. */
+static ssfr_result draw_item(const reproduction *r, const item *it)
+{
+    char path[MOST_PATH];
+    snprintf(path, sizeof path, "%s/%s.csv", r->words->output, it->name);
+    return it->spec && access(path, F_OK) == 0 ? ssfr_figures_draw(path, it->spec) : SSFR_OK;
+}
+
 static ssfr_result run_item(const reproduction *r, size_t i)
 {
     ssfr_result result = SSFR_OK;
@@ -289,7 +302,10 @@ static ssfr_result run_papers(const reproduction *r, ssfr_table *table)
     size_t i = 0;
     for (size_t paper = 0; paper < r->papers->n; paper++) {
         for (; i < r->n_items && r->items[i].paper == &r->papers->papers[paper]; i++)
-            if (!r->words->claims) SSFR_TRY(run_item(r, i));
+            if (r->words->figures)
+                SSFR_TRY(draw_item(r, &r->items[i]));
+            else if (!r->words->claims)
+                SSFR_TRY(run_item(r, i));
         SSFR_TRY(judge(r, paper, table));
     }
 end:

@@ -32,6 +32,15 @@ void ssfr_column_header(const char *name, const char *unit, char *text, size_t s
     snprintf(text, size, bare ? "%s" : "%s [%s]", name, unit);
 }
 
+const char *ssfr_column_word(const char *name)
+{
+    static const char *const clear[] = {"pipeline", "variant", "scene", "camera", "backend"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; i < SSFR_COUNT(clear); i++)
+        if (strcmp(name, clear[i]) == 0) return "";
+    return dot ? dot + 1 : name;
+}
+
 void ssfr_column_label(const ssfr_column *column, const char *header, char *text, size_t size)
 {
     if (!column)

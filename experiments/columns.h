@@ -34,6 +34,9 @@ const ssfr_column *ssfr_column_find(const char *name); /* NULL when there is non
 
 /* "name [unit]", or the name alone where it carries its unit or has none. Written to text[size]. */
 void ssfr_column_header(const char *name, const char *unit, char *text, size_t size);
+/* What stands before a cell that names a line, "splat point", "view 2": of a parameter the last word, of others their
+ * name; "" where cells are clear by themselves. */
+const char *ssfr_column_word(const char *name);
 /* For the axis of a figure: what a measured column means, with its unit; of others (NULL) the header itself. */
 void ssfr_column_label(const ssfr_column *column, const char *header, char *text, size_t size);
 

@@ -35,16 +35,16 @@ static void put_label(const ssfr_csv_table *table, const char *column, const cha
         ssfr_column_label(ssfr_column_find(column), at >= 0 ? table->cells[at] : column, text, size);
 }
 
-/* "splat point": a parameter is told by its last word, the rest by the value alone. */
 static void fill_panel(const ssfr_csv_table *table, const ssfr_plot_spec *spec, texts *t, ssfr_panel *panel)
 {
     put_label(table, spec->x, spec->x_label, t->x, sizeof t->x);
     put_label(table, spec->y, spec->y_label, t->y, sizeof t->y);
     *panel = (ssfr_panel){
-        .title = spec->title ? spec->title : "", .x = spec->x, .y = spec->y, .x_label = t->x, .y_label = t->y};
+        .title = spec->title ? spec->title : "", .x = spec->x, .y = spec->y, .x_label = t->x, .y_label = t->y,
+        .log_x = spec->log[0], .log_y = spec->log[1]};
     for (int i = 0; i < spec->n_lines; i++) {
-        const char *dot = strrchr(spec->lines[i], '.');
-        snprintf(t->before[i], sizeof t->before[i], "%s%s", dot ? dot + 1 : "", dot ? " " : "");
+        const char *word = ssfr_column_word(spec->lines[i]);
+        snprintf(t->before[i], sizeof t->before[i], "%s%s", word, word[0] ? " " : "");
         panel->keys[i].column = spec->lines[i];
         panel->keys[i].before = t->before[i];
     }

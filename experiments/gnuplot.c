@@ -20,15 +20,82 @@ void ssfr_gnuplot_begin(FILE *script, int w, int h, const char *output)
     fputs("\nset grid lt 1 lw 0.5 lc rgb '#dddddd'\nset tics nomirror\n", script);
 }
 
-void ssfr_gnuplot_text(FILE *script, const char *text)
+static void put_string(FILE *script, const char *begin, const char *end)
 {
     fputc('\'', script);
-    for (const char *at = text; *at; at++)
+    for (const char *at = begin; at < end; at++)
         if (*at == '\'')
             fputs("''", script);
         else
             fputc((unsigned char)*at < 0x20 ? ' ' : *at, script);
     fputc('\'', script);
+}
+
+void ssfr_gnuplot_text(FILE *script, const char *text)
+{
+    put_string(script, text, text + strlen(text));
+}
+
+/* Widths of letters are known to the viewer alone: what most texts in sans-serif fonts need, as a share of the size. */
+static const double letter = 0.56;
+
+static int width_of(size_t letters, int font)
+{
+    return (int)ceil(letter * font * (double)letters);
+}
+
+/* The next place where a line may end: a space that is not within a unit, "[particle radii]", or the end. */
+static const char *word_end(const char *text)
+{
+    bool unit = false;
+    for (; *text && (unit || *text != ' '); text++) unit = *text == '[' || (unit && *text != ']');
+    return text;
+}
+
+/* Where the line that begins at `text` ends: at the last such place before it is too long, or at the first. */
+static const char *line_end(const char *text, int width, int font)
+{
+    const char *end = word_end(text);
+    for (const char *next = end; *next;) {
+        next = word_end(next + 1);
+        if (width_of((size_t)(next - text), font) > width) break;
+        end = next;
+    }
+    return end;
+}
+
+int ssfr_gnuplot_lines(FILE *script, const char *text, int width, int font)
+{
+    int n = 0;
+    do {
+        const char *end = line_end(text, width, font);
+        if (script && n > 0) fputs(" . \"\\n\" . ", script);
+        if (script) put_string(script, text, end);
+        text = *end ? end + 1 : end;
+        n++;
+    } while (*text);
+    return n;
+}
+
+enum { KEY_FONT = 13, KEY_LINE = 20, KEY_SAMPLE = 50, KEY_MARGIN = 20 }; /* px */
+
+ssfr_gnuplot_key ssfr_gnuplot_key_fit(size_t n, size_t longest, int width)
+{
+    static const double key_letter = 9.3; /* px, what gnuplot reserves for a letter in all columns but the last */
+    const double pitch = KEY_SAMPLE + key_letter * (double)longest, last = KEY_SAMPLE + width_of(longest, KEY_FONT);
+    const size_t columns = last < width ? 1 + (size_t)((width - last) / pitch) : 1;
+    const size_t rows = (n + columns - 1) / columns;
+    return (ssfr_gnuplot_key){rows, n ? (int)rows * KEY_LINE + KEY_MARGIN : 0};
+}
+
+void ssfr_gnuplot_key_put(FILE *script, const ssfr_gnuplot_key *key, double x, double y)
+{
+    if (key->rows == 0)
+        fputs("unset key\n", script);
+    else
+        fprintf(script,
+                "set key at screen %.6f,%.6f left top vertical maxrows %zu Left reverse samplen 2 font ',%d'\n", x, y,
+                key->rows, KEY_FONT);
 }
 
 void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
@@ -41,8 +108,13 @@ void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
     if (hi / lo < 10) {
         const double unit = pow(10, floor(log10((hi - lo) / 4))), ratio = (hi - lo) / 4 / unit;
         const double step = unit * (ratio > 5 ? 5 : ratio > 2 ? 2 : 1);
-        for (double i = ceil(lo / step); i * step <= hi; i++)
-            fprintf(script, "set %ctics add (%.9g)\n", name, i * step);
+        const double apart = name == 'x' ? 0.11 : 0.05; /* of the axis, which numbers beside each other need */
+        double last = 0;
+        for (double tic = step * ceil(lo / step); tic <= hi; tic += step) {
+            if (last > 0 && log(tic / last) < apart * log(hi / lo)) continue;
+            fprintf(script, "set %ctics add (%.9g)\n", name, tic);
+            last = tic;
+        }
         return;
     }
     const double decades = log10(hi / lo), stride = name == 'x' ? ceil(decades / most_decades) : 1;
@@ -56,8 +128,9 @@ void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi)
 const char *ssfr_gnuplot_colour(size_t i)
 {
     /* Okabe and Ito's */
-    static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
-    return colours[i % SSFR_COUNT(colours)];
+    static const char *const colours[SSFR_GNUPLOT_COLOURS] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                              "#e69f00", "#56b4e9", "#000000"};
+    return colours[i % SSFR_GNUPLOT_COLOURS];
 }
 
 int ssfr_gnuplot_sign(size_t i)

@@ -19,7 +19,23 @@ void ssfr_gnuplot_text(FILE *script, const char *text);
  * over a wide one. */
 void ssfr_gnuplot_log_tics(FILE *script, char name, double lo, double hi);
 
+/* The text as a string of as many lines as it needs to be at most `width` px wide in a font of that size, px; broken at
+ * spaces. Gives their number. Without a script (NULL) they are counted alone. */
+int ssfr_gnuplot_lines(FILE *script, const char *text, int width, int font);
+
+/* The key below a plot: rows of names, under each other in columns. */
+typedef struct ssfr_gnuplot_key {
+    size_t rows;
+    int height; /* px */
+} ssfr_gnuplot_key;
+
+/* Of n names, the longest of so many characters, where `width` px are free; without names it needs no room. */
+ssfr_gnuplot_key ssfr_gnuplot_key_fit(size_t n, size_t longest, int width);
+/* Places it with its upper left corner there, as shares of the drawing from its lower left. */
+void ssfr_gnuplot_key_put(FILE *script, const ssfr_gnuplot_key *key, double x, double y);
+
 /* Of the i-th line: a colour that the colour-blind tell apart from the others, and a sign (a point type). */
+enum { SSFR_GNUPLOT_COLOURS = 7 };
 const char *ssfr_gnuplot_colour(size_t i);
 int ssfr_gnuplot_sign(size_t i);
 

@@ -223,13 +223,33 @@ static ssfr_result inspect_slot(ssfr_inspected *out, const ssfr_graph *graph, co
     return result;
 }
 
+/* Water is where there is a length of it, as layer_composite has it. */
+static ssfr_result find_border(double *share, const ssfr_graph *graph, int w, int h)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_field *border = NULL, *thickness = NULL;
+    size_t water = 0, borders = 0;
+    if (!ssfr_graph_has_slot(graph, SSFR_SLOT_border)) return SSFR_OK;
+    SSFR_TRY(ssfr_frame_read(&border, graph, "border", w, h));
+    SSFR_TRY(ssfr_frame_read(&thickness, graph, "thickness", w, h));
+    for (size_t i = 0; i < (size_t)w * (size_t)h; i++) {
+        water += thickness->data[i] > 0;
+        borders += border->data[i] > 0;
+    }
+    if (water) *share = (double)borders / (double)water;
+end:
+    ssfr_field_destroy(&border);
+    ssfr_field_destroy(&thickness);
+    return result;
+}
+
 ssfr_result ssfr_inspect_frame(ssfr_inspected *out, ssfr_graph *graph, const ssfr_scene *scene,
                                const ssfr_run_options *run)
 {
     ssfr_result result = SSFR_OK;
     ssfr_field *behind = NULL;
     ssfr_bounds bounds = {0}, smoothed; /* which shares its images */
-    *out = (ssfr_inspected){true, true};
+    *out = (ssfr_inspected){.finite = true, .bounded = true};
     ssfr_graph_want_all(graph, true);
     SSFR_TRY(ssfr_graph_run(graph, scene, run));
     SSFR_TRY(ssfr_graph_read(graph, "scene_color", &behind));
@@ -241,6 +261,7 @@ ssfr_result ssfr_inspect_frame(ssfr_inspected *out, ssfr_graph *graph, const ssf
         const bool made_of_splats = ssfr_slot_is_fluid(id) && id != SSFR_SLOT_fluid_depth;
         SSFR_TRY(inspect_slot(out, graph, slot, made_of_splats ? &smoothed : &bounds));
     }
+    SSFR_TRY(find_border(&out->border_share, graph, scene->camera.w, scene->camera.h));
 end:
     ssfr_graph_want_all(graph, false);
     ssfr_bounds_clear(&bounds);

@@ -31,6 +31,7 @@ void ssfr_bounds_clear(ssfr_bounds *bounds);
 
 typedef struct ssfr_inspected {
     bool finite, bounded;
+    double border_share; /* of the pixels with water: those whose colours are interpolated; 0 where none tells */
 } ssfr_inspected;
 
 /* Clears what an image of that slot is not; both must be true at first. */

@@ -4,7 +4,13 @@
 #include "experiments/columns.h"
 #include "experiments/gnuplot.h"
 
-enum { MAX_LINES = 64, NAME_SIZE = 192 };
+enum {
+    MAX_LINES = 64, NAME_SIZE = 192,
+    WIDTH = 1000, FRAME_HEIGHT = 480, /* px, of the drawing and between its x axes */
+    ABOVE = 75, BELOW = 80, LEFT = 70, /* px, for the title, for the x axis and before the key */
+    LABEL = 15,                        /* px, size of the font */
+};
+static const char front_name[] = "Pareto front";
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
@@ -86,15 +92,15 @@ static bool is_chosen(const plot *p, size_t row)
     return chosen;
 }
 
-/* "splat point, gl": a parameter is told by its last word, the rest by the value alone. */
+/* "splat point, gl" */
 static void name_row(const plot *p, size_t row, char name[NAME_SIZE])
 {
     size_t used = 0;
     name[0] = '\0';
     for (int i = 0; i < p->spec->n_lines && used < NAME_SIZE; i++) {
-        const char *dot = strrchr(p->spec->lines[i], '.');
-        used += (size_t)snprintf(name + used, NAME_SIZE - used, "%s%s%s%s", i ? ", " : "", dot ? dot + 1 : "",
-                                 dot ? " " : "", ssfr_csv_cell(p->table, row, p->lines[i]));
+        const char *word = ssfr_column_word(p->spec->lines[i]);
+        used += (size_t)snprintf(name + used, NAME_SIZE - used, "%s%s%s%s", i ? ", " : "", word, word[0] ? " " : "",
+                                 ssfr_csv_cell(p->table, row, p->lines[i]));
     }
 }
 
@@ -146,7 +152,7 @@ static void put_axis(FILE *file, char name, const axis *a)
     const double margin = a->hi > a->lo ? 0.06 * (a->hi - a->lo) : fmax(0.05 * fabs(a->hi), 0.5);
     const double lo = a->log ? a->lo / factor : a->lo - margin, hi = a->log ? a->hi * factor : a->hi + margin;
     fprintf(file, "set %clabel ", name);
-    ssfr_gnuplot_text(file, a->label);
+    ssfr_gnuplot_lines(file, a->label, name == 'x' ? WIDTH - 2 * LEFT : FRAME_HEIGHT, LABEL);
     fprintf(file, "\nset %crange [%.9g:%.9g]\n", name, a->sign < 0 ? hi : lo, a->sign < 0 ? lo : hi);
     if (!a->log) return;
     fprintf(file, "set logscale %c\n", name);
@@ -201,25 +207,44 @@ static void put_lines(const plot *p, FILE *file)
         ssfr_gnuplot_text(file, p->names[i]);
         fputs(", ", file);
     }
-    fprintf(file, "$front%zu using 1:2 with points pt 6 ps 1.7 lw 1.5 lc rgb 'black' title 'Pareto front'\n",
-            p->n_names);
+    fprintf(file, "$front%zu using 1:2 with points pt 6 ps 1.7 lw 1.5 lc rgb 'black' title '%s'\n",
+            p->n_names, front_name);
 }
 
-static ssfr_result put_script(void *user, FILE *file, const char *output)
+static ssfr_gnuplot_key fit_key(const plot *p)
 {
-    plot *p = user;
+    size_t longest = strlen(front_name);
+    for (size_t i = 0; i < p->n_names; i++)
+        if (strlen(p->names[i]) > longest) longest = strlen(p->names[i]);
+    return ssfr_gnuplot_key_fit(p->n_names + 1, longest, WIDTH - LEFT);
+}
+
+static void put_title(const plot *p, FILE *file)
+{
     char note[256];
     const int length =
         snprintf(note, sizeof note, "lines join the best of each method, small signs are its other runs");
     if (p->n_left_out > 0)
         snprintf(note + length, sizeof note - (size_t)length, "; %zu of %zu runs failed or have no value to draw",
                  p->n_left_out, p->n_left_out + p->n_points);
-    ssfr_gnuplot_begin(file, 1000, 640, output);
     fputs("set title ", file);
     ssfr_gnuplot_text(file, p->spec->title ? p->spec->title : "work and precision");
     fputs(" . \"\\n\" . ", file);
     ssfr_gnuplot_text(file, note);
-    fputs("\nset key outside right top\n", file);
+    fputc('\n', file);
+}
+
+static ssfr_result put_script(void *user, FILE *file, const char *output)
+{
+    plot *p = user;
+    const ssfr_gnuplot_key key = fit_key(p);
+    const int below = ABOVE + FRAME_HEIGHT + BELOW;
+    const double height = below + key.height;
+    ssfr_gnuplot_begin(file, WIDTH, below + key.height, output);
+    put_title(p, file);
+    fprintf(file, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n", 1 - ABOVE / height,
+            1 - (ABOVE + FRAME_HEIGHT) / height);
+    ssfr_gnuplot_key_put(file, &key, (double)LEFT / WIDTH, 1 - below / height);
     put_axis(file, 'x', &p->x);
     put_axis(file, 'y', &p->y);
     const ssfr_result result = put_data(p, file);

@@ -4,7 +4,7 @@
 #include "experiments/command.h"
 #include "experiments/sweep_spec_internal.h"
 
-enum { MOST_STEPS = 256, MOST_WORDS = 256 };
+enum { MOST_STEPS = 256, MOST_WORDS = 256 /* of a step */ };
 static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
 
 /* ---- the object -------------------------------------------------------------------------------------------------- */
@@ -59,7 +59,7 @@ static ssfr_result read_words(const ssfr_yaml_node *node, ssfr_step *step)
 {
     ssfr_result result = SSFR_OK;
     SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_LIST));
-    if (node->n == 0 || node->n > MOST_WORDS)
+    if (node->n == 0 || node->n > (size_t)(MOST_WORDS - step->n))
         return ssfr_yaml_fail(node, SSFR_ERR_FORMAT, "%s: expected 1 to %d words", node->name, MOST_WORDS);
     for (size_t i = 0; i < node->n; i++) {
         const ssfr_yaml_node *word = node->values[i];
@@ -84,7 +84,7 @@ static ssfr_result new_steps(ssfr_recipe *recipe, const ssfr_yaml_node *node, si
 static ssfr_result init_step(ssfr_step *step, const char *name)
 {
     ssfr_result result = ssfr_yaml_copy(&step->name, "", name);
-    if (result == SSFR_OK) result = ssfr_alloc(&step->words, MOST_WORDS + 1, sizeof *step->words, "words");
+    if (result == SSFR_OK) result = ssfr_alloc(&step->words, MOST_WORDS, sizeof *step->words, "words");
     return result;
 }
 
@@ -156,12 +156,20 @@ end:
     return result;
 }
 
+/* Is read when all steps are known. */
+static ssfr_result leave_args(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    (void)node, (void)row, (void)to;
+    return SSFR_OK;
+}
+
 static ssfr_result read_quick(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
     static const ssfr_yaml_row rows[] = {
         SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_recipe, title),
         SSFR_YAML_ROW_ALL("command", read_command),
         SSFR_YAML_ROW_ALL("pictures", read_pictures),
+        SSFR_YAML_ROW_ALL("args", leave_args),
         SSFR_YAML_ROW_END,
     };
     ssfr_result result = SSFR_OK;
@@ -169,6 +177,30 @@ static ssfr_result read_quick(const ssfr_yaml_node *node, const ssfr_yaml_row *r
     (void)row;
     SSFR_TRY(ssfr_alloc(&recipe->quick, 1, sizeof *recipe->quick, "a recipe"));
     SSFR_TRY(ssfr_yaml_read_map(node, rows, recipe->quick));
+end:
+    return result;
+}
+
+static ssfr_result add_args(ssfr_recipe *recipe, const ssfr_yaml_node *args)
+{
+    ssfr_result result = SSFR_OK;
+    for (size_t i = 0; args && i < recipe->steps.n; i++) SSFR_TRY(read_words(args, &recipe->steps.items[i]));
+end:
+    return result;
+}
+
+/* What all steps have behind their own words; at quick scale others, if it has some, behind the same. */
+static ssfr_result share_args(ssfr_recipe *recipe, const ssfr_yaml_node *root)
+{
+    ssfr_result result = SSFR_OK;
+    const ssfr_yaml_node *args = ssfr_yaml_find(root, "args"), *command = ssfr_yaml_find(root, "command");
+    const ssfr_yaml_node *own = recipe->quick ? ssfr_yaml_find(ssfr_yaml_find(root, "quick"), "args") : NULL;
+    ssfr_recipe *quick = recipe->quick;
+    if (own && quick->steps.n == 0)
+        SSFR_TRY(command ? read_command(command, NULL, quick)
+                         : read_pictures(ssfr_yaml_find(root, "pictures"), NULL, quick));
+    SSFR_TRY(add_args(recipe, args));
+    if (quick) SSFR_TRY(add_args(quick, own ? own : args));
 end:
     return result;
 }
@@ -191,6 +223,7 @@ static ssfr_result read_root(ssfr_recipe **out, const ssfr_yaml_node *root)
         SSFR_YAML_ROW("title", ssfr_yaml_read_text, ssfr_recipe, title),
         SSFR_YAML_ROW_ALL("command", read_command),
         SSFR_YAML_ROW_ALL("pictures", read_pictures),
+        SSFR_YAML_ROW_ALL("args", leave_args),
         SSFR_YAML_ROW("published", ssfr_published_spec_read, ssfr_recipe, published),
         SSFR_YAML_ROW_ALL("quick", read_quick),
         SSFR_YAML_ROW_END,
@@ -199,6 +232,7 @@ static ssfr_result read_root(ssfr_recipe **out, const ssfr_yaml_node *root)
     ssfr_recipe *recipe = NULL;
     SSFR_TRY(ssfr_alloc(&recipe, 1, sizeof *recipe, "a recipe"));
     SSFR_TRY(ssfr_yaml_read_map(root, rows, recipe));
+    SSFR_TRY(share_args(recipe, root));
     SSFR_TRY(check_kind(recipe, root));
     *out = recipe;
     recipe = NULL;

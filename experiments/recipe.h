@@ -9,7 +9,8 @@
  *      title: what is to be seen
  *      pictures:                                           # `ssfr render ARGS -o <item>/<name>.png`
  *        - {name: foam, args: [corridor, --frame, 40]}
- *      quick: {pictures: [{name: foam, args: [corridor, --frame, 40, --size, 320x180]}]}
+ *      args: [--scale, full, --size, 640x360]              # behind those of each picture, or behind the command
+ *      quick: {args: [--size, 320x180]}                    # the same pictures, these in the place of those
  *
  * A line in <item>.made.txt says what was made, so that it is not made again. */
 #ifndef SSFR_RECIPE_H

@@ -505,6 +505,7 @@ static ssfr_result put_frame(const ssfr_rig *rig, const cached *c, double bandwi
         row->values[SSFR_COLUMN_particles_seen] = c->report.n_particles;
         row->values[SSFR_COLUMN_foam_share] = c->foam_share;
         row->values[SSFR_COLUMN_spray_share] = c->spray_share;
+        row->values[SSFR_COLUMN_border_share] = c->inspected.border_share;
         row->values[SSFR_COLUMN_finite] = c->inspected.finite;
         row->values[SSFR_COLUMN_bounded] = c->inspected.bounded;
         memcpy(row->texts[SSFR_COLUMN_TEXT_left_out], c->left_out, sizeof c->left_out);

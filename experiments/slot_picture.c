@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* slot_picture.c: from the values of a slot to colours whose lightness rises evenly. */
+/* slot_picture.c: from the values of an image to colours whose lightness rises evenly. */
 #include "experiments/slot_picture.h"
 
 #include "graph/pass.h"
@@ -54,21 +54,27 @@ static void paint(ssfr_field *out, const ssfr_field *field, double neutral, doub
     }
 }
 
-ssfr_result ssfr_slot_picture_save(const char *png, const ssfr_field *field, const ssfr_slot_picture *picture)
+ssfr_result ssfr_false_colours_save(const char *png, const ssfr_field *field, const ssfr_false_colours *colours)
 {
     ssfr_result result = SSFR_OK;
-    const ssfr_slot *slot = &ssfr_slots[ssfr_slot_find(picture->slot)];
-    double lo = picture->lo, hi = picture->hi;
-    ssfr_field *colours = NULL;
+    double lo = colours->lo, hi = colours->hi;
+    ssfr_field *painted = NULL;
     if (field->c != 1)
-        return ssfr_fail(SSFR_ERR_VALUE, "%s: %s has %d channels, false colours are of one", png, picture->slot,
+        return ssfr_fail(SSFR_ERR_VALUE, "%s: %s has %d channels, false colours are of one", png, colours->name,
                          field->c);
-    SSFR_TRY(ssfr_field_create(&colours, field->w, field->h, 3));
-    SSFR_TRY(find_range(field, slot->neutral, &lo, &hi));
-    paint(colours, field, slot->neutral, lo, hi);
-    SSFR_TRY(ssfr_png_save(png, colours));
-    ssfr_log(SSFR_INFO, "%s: %s from %g to %g %s", png, slot->name, lo, hi, slot->unit);
+    SSFR_TRY(ssfr_field_create(&painted, field->w, field->h, 3));
+    SSFR_TRY(find_range(field, colours->neutral, &lo, &hi));
+    paint(painted, field, colours->neutral, lo, hi);
+    SSFR_TRY(ssfr_png_save(png, painted));
+    ssfr_log(SSFR_INFO, "%s: %s from %g to %g %s", png, colours->name, lo, hi, colours->unit);
 end:
-    ssfr_field_destroy(&colours);
+    ssfr_field_destroy(&painted);
     return result;
+}
+
+ssfr_result ssfr_slot_picture_save(const char *png, const ssfr_field *field, const ssfr_slot_picture *picture)
+{
+    const ssfr_slot *slot = &ssfr_slots[ssfr_slot_find(picture->slot)];
+    const ssfr_false_colours colours = {slot->name, slot->unit, slot->neutral, picture->lo, picture->hi};
+    return ssfr_false_colours_save(png, field, &colours);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* slot_picture.h: an intermediate image of a frame in false colours. */
+/* slot_picture.h: an image of one channel in false colours: an intermediate one of a frame, or another. */
 #ifndef SSFR_SLOT_PICTURE_H
 #define SSFR_SLOT_PICTURE_H
 
@@ -14,5 +14,15 @@ typedef struct ssfr_slot_picture {
  * value or none. What lies beyond the range has the colour of its end. Says the range. */
 SSFR_MUST ssfr_result ssfr_slot_picture_save(const char *png, const ssfr_field *field,
                                              const ssfr_slot_picture *picture);
+
+typedef struct ssfr_false_colours {
+    const char *name, *unit;
+    double neutral; /* grey, as NaN is */
+    double lo, hi;
+} ssfr_false_colours;
+
+/* The same of an image that no slot holds. */
+SSFR_MUST ssfr_result ssfr_false_colours_save(const char *png, const ssfr_field *field,
+                                              const ssfr_false_colours *colours);
 
 #endif

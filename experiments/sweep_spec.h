@@ -94,6 +94,7 @@ typedef struct ssfr_against_spec { /* no cells: none */
 typedef struct ssfr_plot_spec { /* columns by name; x NULL: no plot */
     char *title, *x, *y, *x_label, *y_label; /* labels NULL: what the column means */
     char *where; /* for messages */
+    bool log[2]; /* x and y of curves are logarithmic; those of the plot are by what they mean */
     int n_lines, n_only;
     char *lines[SSFR_MAX_LINES];
     struct {

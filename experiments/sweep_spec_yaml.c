@@ -223,6 +223,24 @@ end:
     return result;
 }
 
+/* The axes of curves that are logarithmic. */
+static ssfr_result read_log(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
+{
+    ssfr_result result = SSFR_OK;
+    ssfr_plot_spec *plot = to;
+    (void)row;
+    SSFR_TRY(ssfr_yaml_expect(node, SSFR_YAML_LIST));
+    for (size_t i = 0; i < node->n; i++) {
+        const ssfr_yaml_node *axis = node->values[i];
+        SSFR_TRY(ssfr_yaml_expect(axis, SSFR_YAML_TEXT));
+        if (strcmp(axis->text, "x") != 0 && strcmp(axis->text, "y") != 0)
+            return ssfr_yaml_fail(axis, SSFR_ERR_VALUE, "%s: %.40s: expected x or y", node->name, axis->text);
+        plot->log[axis->text[0] == 'y'] = true;
+    }
+end:
+    return result;
+}
+
 /* A cell a column, or a list of them. */
 static ssfr_result read_only(const ssfr_yaml_node *node, const ssfr_yaml_row *row, void *to)
 {
@@ -247,6 +265,7 @@ static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *ro
         SSFR_YAML_ROW("y", ssfr_yaml_read_text, ssfr_plot_spec, y),
         SSFR_YAML_ROW("x_label", ssfr_yaml_read_text, ssfr_plot_spec, x_label),
         SSFR_YAML_ROW("y_label", ssfr_yaml_read_text, ssfr_plot_spec, y_label),
+        SSFR_YAML_ROW_ALL("log", read_log),
         SSFR_YAML_ROW_ALL("lines", read_lines),
         SSFR_YAML_ROW_ALL("only", read_only),
         SSFR_YAML_ROW_END,
@@ -254,9 +273,11 @@ static ssfr_result read_plot(const ssfr_yaml_node *node, const ssfr_yaml_row *ro
     ssfr_result result = SSFR_OK;
     ssfr_plot_spec *plot = to;
     char where[SSFR_YAML_PLACE];
-    (void)row;
     SSFR_TRY(ssfr_yaml_copy(&plot->where, "", ssfr_yaml_place(ssfr_yaml_head(node), where)));
     SSFR_TRY(ssfr_yaml_read_map(node, rows, to));
+    if (strcmp(row->name, "plot") == 0 && ssfr_yaml_find(node, "log"))
+        return ssfr_yaml_fail(ssfr_yaml_find(node, "log")->key, SSFR_ERR_FORMAT,
+                              "log: is of curves; what a plot's columns mean says how they are drawn");
     if (!plot->x || !plot->y)
         result = ssfr_yaml_fail(ssfr_yaml_head(node), SSFR_ERR_FORMAT, "%s: x and y must be given", node->name);
 end:

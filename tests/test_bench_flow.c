@@ -121,6 +121,10 @@ static void pixels_are_counted_by_their_steps(void **state)
     assert_int_equal(p.n, 35 * H);
     assert_true(p.most == near && near > far);
     for (int i = 0; i <= p.most; i++) assert_int_equal(p.counts[i], i == near ? 20 * H : i == far ? 15 * H : 0);
+    for (int i = 0; i < W * H; i++) {
+        if (i % W < 35) assert_true(p.steps->data[i] == (i % W < 20 ? near : far));
+        else assert_true(isnan(p.steps->data[i]));
+    }
     ssfr_flow_pixels_finish(&p);
 }
 
@@ -141,6 +145,13 @@ static void curvatures_are_those_of_the_surface(void **state)
     assert_int_equal(ssfr_flow_look(t->graph, &p), SSFR_OK);
     assert_true(p.before.n > 100 && p.before.n == p.after.n && p.before.n < p.n && p.counts[0] == p.n);
     for (size_t i = 0; i < p.before.n; i++) assert_close(p.before.values[i], 1.25, 0, 0.02);
+    size_t n = 0;
+    for (int i = 0; i < W * H; i++) {
+        const double value = p.before.image->data[i];
+        n += isfinite(value);
+        assert_true(isnan(value) || (fabs(value - 1.25) < 0.025 && value == p.after.image->data[i]));
+    }
+    assert_int_equal(n, p.before.n);
     ssfr_flow_pixels_finish(&p);
 
     uint64_t random = 3;

@@ -57,6 +57,11 @@ that 'what is near takes more steps' \
     [ "$(awk -F, '$4 == "range" && $5 == 1 { n[$1] = $9 } END { print (n["a"] > n["5.2"]) }' views.csv)" = 1 ]
 that 'the metadata has both' [ "$(grep -c '"scene": "tank.yaml"' views.meta.json)" -eq 2 ]
 
+run bench flow --view a=tank.yaml,near,0 --cache . --size 96x54 --no-plot --pictures -o seen.csv
+that 'it shows the pixels of a view' \
+    [ "$(printf '%s ' seen_*)" = 'seen_a_after.png seen_a_before.png seen_a_steps.png ' ]
+that 'before the flow they are others' sh -c '! cmp -s seen_a_before.png seen_a_after.png'
+
 # ---- errors ----
 
 refuses 'it finds out at once where it cannot write' 'absent/b.csv' bench flow --quick -o absent/b.csv
@@ -67,6 +72,8 @@ refuses 'its frame is a number' 'expected NAME=SCENE,CAMERA,FRAME' bench flow --
 refuses 'its scene is known before the first is seen' 'nowhere' \
     bench flow --view a=tank.yaml,near,0 --view b=nowhere,near,0
 refuses 'a scene stands alone' 'beside --view' bench flow splash --view a=tank.yaml,near,0
+refuses 'pictures are of views' '--pictures: they are of views' bench flow --quick --pictures -o p.csv
+refuses 'and stand beside a table' '--pictures: they are of views, and stand beside -o' bench flow splash --pictures
 refuses 'a plane is before the eye' '--nearest' bench flow --nearest 0
 run bench flow --help
 that 'it explains itself' grep -q -- '--smoothing' out

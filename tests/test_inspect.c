@@ -14,7 +14,7 @@ static const ssfr_bounds bounds = {
 /* What one value among good ones makes of an image of a slot. */
 static ssfr_inspected with(const char *slot, int c, double good, double value)
 {
-    ssfr_inspected inspected = {true, true};
+    ssfr_inspected inspected = {.finite = true, .bounded = true};
     ssfr_field *image = NULL;
     assert_int_equal(ssfr_field_create(&image, 5, 4, c), SSFR_OK);
     ssfr_field_fill(image, good);
@@ -184,7 +184,7 @@ static void foam_may_lean_out_of_its_spheres_and_spray_adds_to_the_picture(void 
     ssfr_bounds b = bounds_of(graph, &s.scene, NULL);
     assert_close(b.leaning, 0.1 * (sqrt(17) - 1), 1e-12, 0);
     assert_close(largest_of(b.spray), 0, 0, 0);
-    ssfr_inspected inspected = {true, true};
+    ssfr_inspected inspected = {.finite = true, .bounded = true};
     ssfr_field *image = test_image(1, 1, 1, b.nearest + 0.9 * b.leaning);
     ssfr_inspect_image(&inspected, "foam_depth", image, &b);
     assert_true(inspected.bounded);
@@ -265,6 +265,29 @@ static void usual_frames_are_finite_and_bounded(void **state)
     test_scene_destroy(&s);
 }
 
+/* All is border, or what bends more than a threshold; a surface of images has none, nor has what knows no border. */
+static void the_share_of_borders_is_that_of_the_pixels_with_water(void **state)
+{
+    static const char *const settings[] = {"layer_composite.border=always", "layer_composite.depth_thresh=0.01",
+                                           "layer_composite.depth_thresh=0.1", "layer_composite.surface=image"};
+    enum { N = SSFR_COUNT(settings) };
+    ssfr_gl *gl = test_backend(state);
+    test_scene s;
+    ssfr_inspected inspected[N + 1];
+    test_scene_create_usual(&s, W, H);
+    for (int i = 0; i <= N; i++) {
+        ssfr_graph *graph = test_graph(ssfr_pipeline_find(i < N ? "bagar2010" : "vanderlaan2009"), gl);
+        if (i < N) test_graph_set(graph, (const char *[]){settings[i], NULL});
+        assert_int_equal(ssfr_inspect_frame(&inspected[i], graph, &s.scene, NULL), SSFR_OK);
+        ssfr_graph_destroy(&graph);
+    }
+    assert_true(inspected[0].border_share == 1);
+    assert_true(inspected[1].border_share < 1 && inspected[1].border_share > inspected[2].border_share);
+    assert_true(inspected[2].border_share > 0);
+    assert_true(inspected[3].border_share == 0 && inspected[4].border_share == 0);
+    test_scene_destroy(&s);
+}
+
 static void a_frame_that_cannot_run_is_an_error(void **state)
 {
     (void)state;
@@ -330,6 +353,7 @@ int main(void)
         cmocka_unit_test(without_particles_no_surface_is_bounded),
         ON_BOTH(smoothing_is_bounded_by_what_it_smooths),
         ON_BOTH(usual_frames_are_finite_and_bounded),
+        ON_BOTH(the_share_of_borders_is_that_of_the_pixels_with_water),
         cmocka_unit_test(a_frame_that_cannot_run_is_an_error),
         cmocka_unit_test(every_bit_counts_in_a_hash),
         cmocka_unit_test(what_was_left_out_is_listed_with_how),

@@ -160,7 +160,7 @@ static void more_lines_than_can_be_told_apart_are_refused(void **state)
     ssfr_csv_table *table = table_of(text);
     const ssfr_plot_spec spec = {.x = x, .y = y, .n_lines = 1, .lines = {name}};
     assert_fails(SSFR_ERR_VALUE, ssfr_plot_save(test_path("many.svg"), table, &spec),
-                 "more than 64 lines, the next is n64");
+                 "more than 64 lines, the next is name n64");
     ssfr_csv_table_destroy(&table);
 }
 

@@ -54,6 +54,40 @@ static void pictures_are_renderings_with_names(void **state)
     ssfr_recipe_destroy(&r);
 }
 
+/* words of a step, a space before each */
+static void assert_words(const ssfr_recipe *r, size_t i, const char *expected)
+{
+    char text[256] = "";
+    for (int k = 0; k < r->steps.items[i].n; k++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), " %s", r->steps.items[i].words[k]);
+    assert_string_equal(text, expected);
+}
+
+static void all_steps_share_words_and_quick_has_others_in_their_place(void **state)
+{
+    (void)state;
+    ssfr_recipe *r = NULL;
+    assert_int_equal(parse(&r, "args: [--size, 9x8]\npictures: [{name: a, args: [b]}, {name: c, args: [d]}]\n"
+                               "quick: {args: [-q]}\n"),
+                     SSFR_OK);
+    assert_words(r, 0, " render b --size 9x8");
+    assert_words(r, 1, " render d --size 9x8");
+    ssfr_recipe_quicken(r);
+    assert_words(r, 0, " render b -q");
+    assert_words(r, 1, " render d -q");
+    assert_string_equal(r->steps.items[1].name, "c");
+    ssfr_recipe_destroy(&r);
+    assert_int_equal(parse(&r, "{command: [bench, flow], args: [a], quick: {command: [bench]}}"), SSFR_OK);
+    assert_words(r, 0, " bench flow a");
+    ssfr_recipe_quicken(r);
+    assert_words(r, 0, " bench a");
+    ssfr_recipe_destroy(&r);
+    assert_int_equal(parse(&r, "{command: [bench, flow], quick: {args: [b]}}"), SSFR_OK);
+    ssfr_recipe_quicken(r);
+    assert_words(r, 0, " bench flow b");
+    ssfr_recipe_destroy(&r);
+}
+
 static void a_sweep_is_no_recipe(void **state)
 {
     (void)state;
@@ -91,6 +125,9 @@ static void malformed_recipes_are_refused_with_their_place(void **state)
         {SSFR_ERR_FORMAT, "command: [bench]\nquick: {pictures: [{name: a, args: [b]}]}\n",
          "item.yaml:2:1: quick: an item is a command or pictures at both scales"},
         {SSFR_ERR_FORMAT, "command: [bench]\npublished: {file: a}\n", "item.yaml:2:1: published: on must be given"},
+        {SSFR_ERR_FORMAT, "command: [bench]\nargs: []\n", "item.yaml:2:7: args: expected 1 to 256 words"},
+        {SSFR_ERR_FORMAT, "command: [bench]\nargs: a\n", "item.yaml:2:7: args: expected a list"},
+        {SSFR_ERR_VALUE, "command: [bench]\nquick: {args: [-o, a]}\n", "item.yaml:2:16: args: -o: where it goes"},
         {SSFR_ERR_FORMAT, "pictures: a\n", "item.yaml:1:11: pictures: expected a list"},
         {SSFR_ERR_FORMAT, "pictures: []\n", "item.yaml:1:11: pictures: expected 1 to 256 pictures"},
         {SSFR_ERR_FORMAT, "pictures: [a]\n", "item.yaml:1:12: pictures: expected a map"},
@@ -116,6 +153,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_command_is_words_and_its_table_may_have_published_numbers),
         cmocka_unit_test(pictures_are_renderings_with_names),
+        cmocka_unit_test(all_steps_share_words_and_quick_has_others_in_their_place),
         cmocka_unit_test(a_sweep_is_no_recipe),
         cmocka_unit_test(malformed_recipes_are_refused_with_their_place),
     };

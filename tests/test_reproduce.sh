@@ -107,6 +107,21 @@ run reproduce --claims
 that 'rows of other papers stay' grep -q '^later,elsewhere,' results/claims.csv
 that 'and own ones are made anew' [ "$(lines results/claims.csv)" -eq 6 ]
 
+# ---- figures alone ----
+
+mkdir -p drawn/tiny
+printf 'curvature_flow.iterations,backend,status,ms_median\n1,cpu,ok,1\n2,cpu,ok,2.5\n' >drawn/tiny/tab1.csv
+cp drawn/tiny/tab1.csv before.csv
+leaves 0 'figures are drawn of tables that are there' reproduce tiny --figures -o drawn
+if command -v gnuplot >/dev/null; then
+    that 'as the sweep asks for them' grep -q 'Steps of a block' drawn/tiny/tab1.svg
+fi
+that 'the table stays' cmp -s before.csv drawn/tiny/tab1.csv
+that 'and nothing is measured' [ ! -e drawn/tiny/fig2.csv ]
+sed -i 's/ms_median/ms_least/' drawn/tiny/tab1.csv
+refuses 'a table without the column is told' 'the table has no column ms_median' reproduce tiny --figures -o drawn
+rm -r drawn
+
 # ---- killed, stopped, and gone on with ----
 
 cat >experiments/other/long.yaml <<'END'
@@ -152,9 +167,10 @@ quick: {title: Shares of passes at once, command: [bench, vanderlaan2009, --scen
 END
 cat >experiments/made/pictures.yaml <<END
 title: Two to look at
+args: [$small]
 pictures:
-  - {name: usual, args: [block, $small]}
-  - {name: rough, args: [block, $small, -s, curvature_flow.iterations=0]}
+  - {name: usual, args: [block]}
+  - {name: rough, args: [block, -s, curvature_flow.iterations=0]}
 END
 leaves 0 'other items are listed' reproduce --list made
 that 'with their steps' [ "$(sed 1d out | cut -f2-4 | tr '\n' '	')" = \
@@ -167,7 +183,7 @@ that 'what commands print is not seen' [ "$(lines out)" -eq 1 ]
 that 'with the published numbers beside' \
     [ "$(grep -c ',3.50$' results/made/bench.csv) $(grep '(frame),' results/made/bench.csv | grep -c ',19$')" = '1 1' ]
 that 'and a record of what was done' \
-    grep -qx 'rough: ssfr render block --backend cpu .* -s curvature_flow.iterations=0' results/made/pictures.made.txt
+    grep -qx 'rough: ssfr render block -s curvature_flow.iterations=0 --backend cpu .*' results/made/pictures.made.txt
 that 'by which build, at which scale and on what machine' \
     grep -q '^[0-9a-f]\{16\} ssfr [0-9.]*, commit .*, quick, [0-9]* threads of ..*' results/made/pictures.made.txt
 # fresh: what was made since it was touched.
@@ -210,7 +226,7 @@ echo "command: [bench, vanderlaan2009, --scene, block, $small, --max-time, 0.001
 leaves 0 'once that is mended it goes on: nothing was made by other words' reproduce made/bench
 that 'and is on record' [ "$(grep -c . results/made/bench.made.txt)" -eq 2 ]
 sed -i 's/rough/usual/' experiments/made/pictures.yaml
-refuses 'what is malformed is found out before anything runs' 'pictures.yaml:4:5: the name usual stands twice' \
+refuses 'what is malformed is found out before anything runs' 'pictures.yaml:5:5: the name usual stands twice' \
     reproduce --anew
 echo 'command: [bench, --help]' >experiments/made/bench.yaml
 rm results/made/bench.csv

@@ -289,7 +289,7 @@ static const char whole[] = "# a comment\n"
                             "plot: {title: Work, x: ref_psnr, y: ms_median, lines: [flow.step, backend]}\n"
                             "curves:\n"
                             "  - {x: flow.iterations, y: ref_psnr, lines: [flow.step], only: {backend: [cpu, gl]}}\n"
-                            "  - {title: Time, x: flow.iterations, y: ms_median, y_label: t}\n"
+                            "  - {title: Time, x: flow.iterations, y: ms_median, y_label: t, log: [y]}\n"
                             "published: {file: tab1.csv, on: {place: scene, n: flow.iterations}, column: ms}\n"
                             "variants:\n"
                             "  base: {}\n"
@@ -363,6 +363,7 @@ static void assert_whole(const ssfr_sweep_spec *spec)
     assert_string_equal(spec->curves[1].y, "ms_median");
     assert_string_equal(spec->curves[1].y_label, "t");
     assert_null(spec->curves[1].x_label);
+    assert_true(!spec->curves[1].log[0] && spec->curves[1].log[1]);
     assert_int_equal(spec->curves[1].n_lines, 0);
     assert_string_equal(spec->published.file, "tab1.csv");
     assert_string_equal(spec->published.column, "ms");
@@ -580,6 +581,9 @@ static void malformed_sweeps_are_refused_with_their_place(void **state)
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, z: c}\n", "spec.yaml:1:20: plot: no key z"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, lines: c}\n", "spec.yaml:1:27: lines: expected a list of columns"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, lines: [a, b, c, d, e]}\n", "spec.yaml:1:40: lines: more than 4 columns"},
+        {SSFR_ERR_FORMAT, "plot: {x: a, y: b, log: [x]}\n", "spec.yaml:1:20: log: is of curves"},
+        {SSFR_ERR_FORMAT, "curves: {x: a, y: b, log: x}\n", "spec.yaml:1:27: log: expected a list"},
+        {SSFR_ERR_VALUE, "curves: {x: a, y: b, log: [x, z]}\n", "spec.yaml:1:31: log: z: expected x or y"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: c}\n", "spec.yaml:1:26: only: expected a map"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {c: {d: e}}}\n", "spec.yaml:1:30: c: expected one value"},
         {SSFR_ERR_FORMAT, "plot: {x: a, y: b, only: {c: [d, [e]]}}\n", "spec.yaml:1:34: c: expected one value"},
