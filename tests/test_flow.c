@@ -366,7 +366,7 @@ static void images_that_are_too_large_are_refused(void **state)
     ssfr_flow_report report;
     double *matrix;
     size_t n;
-    ssfr_field *depth = bump(129, 128);
+    ssfr_field *depth = test_field_filled(129, 128, 1, z0);
     setting *s = prepare(large, depth, 1, 1e-5), *m = prepare(small, bump(25, 24), 1, 1e-5);
     s->run.out[0] = test_field(129, 128, 1), m->run.out[0] = test_field(25, 24, 1);
     assert_fails(SSFR_ERR_VALUE, ssfr_flow_run(&s->run, SSFR_FLOW_RK8PD, 1e-10, &report), "rk8pd takes up to 128x128");
