@@ -306,21 +306,27 @@ static void write_meta(const making *m, FILE *file)
     ssfr_json_close(&json);
 }
 
-static ssfr_result save_meta(const making *m)
+/* A text, whole or not there. */
+static ssfr_result save_text(const making *m, const char *path, void (*put)(const making *, FILE *))
 {
     ssfr_result result = SSFR_OK;
     ssfr_aside aside = {0};
-    char *path = NULL;
     FILE *file = NULL;
-    SSFR_TRY(ssfr_text_print(&path, "a path", "%s/meta.json", m->folder));
     SSFR_TRY(ssfr_aside_begin(&aside, path));
     file = fopen(aside.temporary, "w");
-    if (file) write_meta(m, file);
+    if (file) put(m, file);
     const bool written = file && !ferror(file);
     const bool closed = file && fclose(file) == 0;
     if (!written || !closed) result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
 end:
-    result = ssfr_aside_end(&aside, result);
+    return ssfr_aside_end(&aside, result);
+}
+
+static ssfr_result save_meta(const making *m)
+{
+    char *path = NULL;
+    ssfr_result result = ssfr_text_print(&path, "a path", "%s/meta.json", m->folder);
+    if (result == SSFR_OK) result = save_text(m, path, write_meta);
     free(path);
     return result;
 }
@@ -336,21 +342,17 @@ static ssfr_result save_particles(const making *m, const ssfr_particles *particl
     return result;
 }
 
-/* A text of one number. */
+/* One number. */
+static void write_time(const making *m, FILE *file)
+{
+    fprintf(file, "%.6g\n", m->frame_ms);
+}
+
 static ssfr_result save_time(const making *m)
 {
-    ssfr_result result = SSFR_OK;
-    ssfr_aside aside = {0};
     char *path = NULL;
-    FILE *file = NULL;
-    SSFR_TRY(time_path(m->folder, ssfr_simulation_frame(m->simulation), &path));
-    SSFR_TRY(ssfr_aside_begin(&aside, path));
-    file = fopen(aside.temporary, "w");
-    const bool written = file && fprintf(file, "%.6g\n", m->frame_ms) > 0;
-    const bool closed = file && fclose(file) == 0;
-    if (!written || !closed) result = ssfr_fail(SSFR_ERR_IO, "%s: %s", path, strerror(errno));
-end:
-    result = ssfr_aside_end(&aside, result);
+    ssfr_result result = time_path(m->folder, ssfr_simulation_frame(m->simulation), &path);
+    if (result == SSFR_OK) result = save_text(m, path, write_time);
     free(path);
     return result;
 }
